@@ -18,9 +18,9 @@ from time import process_time
 import numpy as np
 
 from mtcommission.base.errors import ComputationError
-from mtcommission.machine.machine import Weight
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.plant.plant import Plant, build_plant
+from mtcommission.machine.readers import SignalValue
 from mtcommission.optimal.control import DampingOptimum
 from mtcommission.optimal.damping import balanced_weights, solve_damping_optimal
 from mtcommission.optimal.free import solve_time_optimal
@@ -61,7 +61,7 @@ def random_cases() -> None:
             plant, move = build_plant(machine), machine.moves[0]
             t_f = 4.0 * pi / min(mode.natural_frequency for mode in plant.modes)
             weights = tuple(
-                Weight(state=plant.states[mode.deflection], value=mode.natural_frequency**4)
+                SignalValue(name=plant.states[mode.deflection], value=mode.natural_frequency**4)
                 for mode in plant.modes
             )
             free = solve_damping_optimal(plant, move, force_limit=1e12, t_f=t_f, weights=weights)
@@ -93,7 +93,7 @@ def survey(count: int) -> None:
         move: Move = machine.moves[0] if step < 0.5 else Positioning(distance=0.02)
         fastest = solve_time_optimal(plant, move, force_limit=F)
         weights = tuple(
-            Weight(state=weight.state, value=weight.value * 10.0 ** float(stress))
+            SignalValue(name=weight.name, value=weight.value * 10.0 ** float(stress))
             for weight in balanced_weights(plant, fastest)
         )
         start = process_time()

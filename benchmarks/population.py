@@ -19,7 +19,8 @@ from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.machine.moves import Move, Positioning, VelocityStep, peak_velocity
 from mtcommission.machine.plant.modal import Modal
-from mtcommission.machine.requirements import Modes, Peak, Requirements, Reserve
+from mtcommission.machine.readers import SignalValue
+from mtcommission.machine.requirements import Modes, Requirements, Reserve
 
 MODE_KEYS = ("damping_ratio", "tcp_gain", "measured_gain")
 NEED_KEYS = ("tcp_deviation", "max_settling_time", "frequency_spread")
@@ -226,7 +227,7 @@ def demanding_machine(seed: int) -> Machine:
         machine.requirements,
         damping_spread=0.3,
         reserve=Reserve(),
-        peaks=(Peak(name=f"v_{mode.name}", bound=bound),) if chance() else (),
+        peaks=(SignalValue(name=f"v_{mode.name}", value=bound),) if chance() else (),
         contour_deviation=share(5e-6, 1e-3) if chance() else inf,
         contour_feed=share(0.05, 1.0) * fastest if chance() else inf,
         max_settling_time=share(0.1, 3.0) if chance() else inf,
@@ -262,7 +263,7 @@ def profile_text(machine: Machine, *, kind: str, filters_force: bool) -> str:
     lines.append(f"payload = {list(needs.payload)!r}")
     if needs.peaks:
         lines.append("[requirements.peaks]")
-        lines += [f"{peak.name} = {peak.bound!r}" for peak in needs.peaks]
+        lines += [f"{peak.name} = {peak.value!r}" for peak in needs.peaks]
     lines += ["[control]", f"kind = '{kind}'"]
     if kind == "generic":
         lines += _finite(machine.control, ("position_cycle", "velocity_cycle"))

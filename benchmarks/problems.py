@@ -14,9 +14,9 @@ from math import inf, isfinite, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.machine.machine import Weight
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.plant.plant import Plant, build_plant
+from mtcommission.machine.readers import SignalValue
 from mtcommission.optimal.control import Bound, terminal_target
 from mtcommission.optimal.damping import state_scales
 from tests.machines import paper_machine, random_modal_machine
@@ -90,7 +90,7 @@ class Problem:
     force_limit: float
     bounds: tuple[Bound, ...] = ()
     t_f: float = inf
-    weights: tuple[Weight, ...] = ()
+    weights: tuple[SignalValue, ...] = ()
 
     @property
     def time_unit(self) -> float:
@@ -116,7 +116,7 @@ class Problem:
         target, fixed = terminal_target(plant, self.move)
         c = np.zeros(plant.order if self.weights else 0)
         for weight in self.weights:
-            i = plant.states.index(weight.state)
+            i = plant.states.index(weight.name)
             c[i] += weight.value * (scale[i] / self.force_limit) ** 2
         rows = [plant.row(bound.name) * scale / bound.value for bound in self.bounds]
         return Scaled(

@@ -82,7 +82,7 @@ def follow(plant: Plant, best: DampingOptimum) -> Followed:
     A, B = plant.A * size / size[:, None], (plant.B / size)[:, None]
     weights = np.zeros(n)
     for weight in best.weights:
-        weights[plant.states.index(weight.state)] += weight.value
+        weights[plant.states.index(weight.name)] += weight.value
     price = np.diag(2.0 * weights * size**2)
     target, fixed = terminal_target(plant, best.move)
 

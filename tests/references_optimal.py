@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import exp, log, sqrt
 
-from mtcommission.machine.machine import Weight
+from mtcommission.machine.readers import SignalValue
 
 PAPER_SWITCHING_TIMES = (0.009337, 0.009668, 0.036552, 0.037653, 0.041942)
 PAPER_T_F = 0.043505
@@ -19,7 +19,7 @@ PAPER_ADJOINT = (-11.87902, 0.0, 14.75425, 0.05508, -0.23018, 0.01149, -1.2503e-
 
 
 PAPER_WEIGHTS = tuple(
-    Weight(state=state, value=value)
+    SignalValue(name=state, value=value)
     for state, value in [
         ("x_b", 1.8858e15),
         ("phi", 1.0961e15),

@@ -21,7 +21,7 @@ from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Positioning, VelocityStep
-from mtcommission.machine.requirements import Peak
+from mtcommission.machine.readers import SignalValue
 from mtcommission.setpoint.motion_limits import MotionLimits
 from tests.machines import paper_machine
 
@@ -35,7 +35,7 @@ def demanding() -> Machine:
         machine.requirements,
         max_settling_time=0.5,
         contour_deviation=3e-4,
-        peaks=(Peak(name="v_phi", bound=5e-3),),
+        peaks=(SignalValue(name="v_phi", value=5e-3),),
         payload=(0.0, 100.0),
         frequency_spread=0.05,
     )

@@ -11,7 +11,8 @@ from mtcommission.limits.judge import evaluate
 from mtcommission.limits.requirements import RESIDUAL_DEVIATION, SETTLING_TIME, peak_of
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine
-from mtcommission.machine.requirements import Modes, Peak
+from mtcommission.machine.readers import SignalValue
+from mtcommission.machine.requirements import Modes
 from mtcommission.study.attainable import (
     Attainable,
     find_attainable,
@@ -22,7 +23,11 @@ from tests.machines import paper_machine
 
 
 def asked(
-    *, band: float = 5e-6, settling: float = 1.0, peaks: tuple[Peak, ...] = (), rms: float = 2e3
+    *,
+    band: float = 5e-6,
+    settling: float = 1.0,
+    peaks: tuple[SignalValue, ...] = (),
+    rms: float = 2e3,
 ) -> Machine:
     machine = paper_machine()
     needs = replace(
@@ -60,24 +65,24 @@ def test_impossible_settling_time() -> None:
 
 def test_impossible_peak() -> None:
     """If it failed, the user would not learn how large the peak must be allowed to be."""
-    bound = Peak(name="v_phi", bound=0.5e-3)
+    bound = SignalValue(name="v_phi", value=0.5e-3)
     found = attainable(asked(settling=0.12, peaks=(bound,)))
     item = found["peak v_phi"]
-    assert item.limit == bound.bound < item.value
-    eased = asked(settling=0.12, peaks=(replace(bound, bound=1.0001 * item.value),))
+    assert item.limit == bound.value < item.value
+    eased = asked(settling=0.12, peaks=(replace(bound, value=1.0001 * item.value),))
     assert is_met(eased, item)
 
 
 def test_two_requirements_must_give_way_together() -> None:
     """If it failed, relaxing one would be promised to help, or nothing be said at all."""
-    bound = Peak(name="v_s", bound=0.05)
+    bound = SignalValue(name="v_s", value=0.05)
     found = attainable(asked(settling=0.02, peaks=(bound,)))
     time, peak = found["settling time"], found["peak v_s"]
     assert time.together_with == (peak_of("v_s"),)
     assert peak.together_with == (SETTLING_TIME,)
     assert (time.limit, peak.limit) == (0.02, 0.05)
     assert time.limits == peak.limits
-    eased = replace(bound, bound=1.0001 * peak.value)
+    eased = replace(bound, value=1.0001 * peak.value)
     assert is_met(asked(settling=1.0001 * time.value, peaks=(eased,)), time)
     assert not is_met(asked(settling=1.0001 * time.value, peaks=(bound,)), time)
     # The move reaches 0.1 m/s, so no limits keep the peak: what is asked for instead is close.

@@ -25,7 +25,8 @@ from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import VelocityStep
 from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.profile.read import parse_profile
-from mtcommission.machine.requirements import Peak, Reserve
+from mtcommission.machine.readers import SignalValue
+from mtcommission.machine.requirements import Reserve
 from tests.machines import paper_machine
 
 
@@ -83,7 +84,7 @@ def test_impossible_settling_time_is_named_as_limiting() -> None:
 
 def test_a_bound_that_forbids_more_is_named() -> None:
     """Raising either limit must break what the sheet calls the binding constraint."""
-    tight = solve(require(PAPER, peaks=(Peak(name="v_phi", bound=5e-4),)))
+    tight = solve(require(PAPER, peaks=(SignalValue(name="v_phi", value=5e-4),)))
     assert "peak v_φ" in Catalogue().say(tight.bound_by)
     assert tight.candidate.settling_time > solve(PAPER).candidate.settling_time
 

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from mtcommission.base.errors import ComputationError, Outcome
-from mtcommission.machine.machine import Weight
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.plant.plant import Plant, build_plant
+from mtcommission.machine.readers import SignalValue
 from mtcommission.optimal.control import (
     DampingOptimum,
     Interior,
@@ -40,7 +40,7 @@ def paper_optimum(
     )
 
 
-def random_case(seed: int) -> tuple[Plant, Move, tuple[Weight, ...], float]:
+def random_case(seed: int) -> tuple[Plant, Move, tuple[SignalValue, ...], float]:
     """A machine with one to eight modes, a move, mode weights, and a t_f of some periods."""
     generator = np.random.default_rng(seed)
     machine = random_modal_machine(seed, n_modes=1 + seed % 8)
@@ -49,8 +49,8 @@ def random_case(seed: int) -> tuple[Plant, Move, tuple[Weight, ...], float]:
     slowest = min(mode.natural_frequency for mode in plant.modes)
     t_f = float(generator.uniform(1.0, 4.0)) * 2 * np.pi / slowest
     weights = tuple(
-        Weight(
-            state=plant.states[mode.deflection],
+        SignalValue(
+            name=plant.states[mode.deflection],
             value=float(np.exp(generator.uniform(-3, 3))) * mode.natural_frequency**4,
         )
         for mode in plant.modes
@@ -79,7 +79,7 @@ def test_integrating_again_sees_a_control_that_is_not_optimal() -> None:
     # The saving that the gap leaves open must cover what the optimum really saves.
     plant, best = build_plant(paper_machine()), paper_optimum()
     other = solve_damping_optimal(
-        plant, STEP, force_limit=2e3, t_f=0.0522, weights=(Weight(state="v_phi", value=3e10),)
+        plant, STEP, force_limit=2e3, t_f=0.0522, weights=(SignalValue(name="v_phi", value=3e10),)
     )
     claimed = follow(plant, replace(other, weights=best.weights))
     saving = 1.0 - best.cost / claimed.cost
@@ -154,7 +154,7 @@ def test_balance_along_the_time_optimum_gives_the_papers_weights() -> None:
     # (17) is 1.3 % lower throughout; the common factor is what a grid of some hundred
     # intervals takes from the integral of F_set² where it blurs the switches
     weights = balanced_weights(build_plant(paper_machine()), paper_time_optimum())
-    assert [weight.state for weight in weights] == ["x_b", "phi", "v_b", "v_phi"]
+    assert [weight.name for weight in weights] == ["x_b", "phi", "v_b", "v_phi"]
     ratios = [ours.value / paper.value for ours, paper in zip(weights, PAPER_WEIGHTS, strict=True)]
     assert ratios == pytest.approx([1.0127, 1.0132, 1.0138, 1.0168], abs=1e-4)
 

@@ -114,7 +114,7 @@ def test_the_milling_profile_is_table_1_christiansen_maurer_zirn() -> None:
     assert machine.requirements.modes.surface == pytest.approx(2e-6)
     assert machine.requirements.peaks == ()
     assert machine.damping_optimal.t_f == 0.0522
-    weights = {weight.state: weight.value for weight in machine.damping_optimal.weights}
+    weights = {weight.name: weight.value for weight in machine.damping_optimal.weights}
     assert weights == {"x_b": 1.8858e15, "phi": 1.0961e15, "v_b": 8.6070e10, "v_phi": 2.8505e10}
 
 
@@ -195,7 +195,7 @@ distance = 0.5
         0.1,
     )
     assert (needs.payload, needs.payload_radius) == ((0.0, 100.0), 0.3)
-    peaks = {peak.name: peak.bound for peak in needs.peaks}
+    peaks = {peak.name: peak.value for peak in needs.peaks}
     assert peaks == {"v_phi": 5e-3, "tcp_vibration": 20e-6, "F": 1500.0}
     bands = needs.modes
     assert (bands.surface, bands.accuracy, bands.speed) == (2.5e-6, 5e-6, 20e-6)
@@ -209,7 +209,7 @@ distance = 0.5
     assert (control.position_cycle, control.velocity_cycle) == (1e-3, 250e-6)
     assert control.has_tcp_sensor
     assert control.state_feedback is StateFeedback.GIVEN
-    gains = {gain.state: gain.value for gain in control.state_gains}
+    gains = {gain.name: gain.value for gain in control.state_gains}
     assert gains == {"v_phi": 1e4, "phi": -2e5}
     assert control.setpoint_filter == SetpointFilter(kind="moving_average", time=0.02)
     assert not control.seeks_setpoint_filter

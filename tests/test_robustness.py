@@ -20,7 +20,7 @@ from mtcommission.machine.machine import (
     corners,
 )
 from mtcommission.machine.moves import Positioning
-from mtcommission.machine.requirements import Peak
+from mtcommission.machine.readers import SignalValue
 from mtcommission.machine.setpoint_filter import moving_average
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study import robustness
@@ -89,7 +89,7 @@ def test_use_of_the_bounds_is_that_of_the_simulation(resolution: float) -> None:
     machine = spread_paper_machine()
     needs = replace(
         machine.requirements,
-        peaks=(Peak(name="v_phi", bound=2e-3),),
+        peaks=(SignalValue(name="v_phi", value=2e-3),),
         contour_deviation=3e-4,
         contour_feed=0.08,
     )

@@ -37,7 +37,8 @@ from mtcommission.machine.moves import VelocityStep
 from mtcommission.machine.plant.modal import Modal
 from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.profile.read import read_profile
-from mtcommission.machine.requirements import Modes, Peak, Requirements
+from mtcommission.machine.readers import SignalValue
+from mtcommission.machine.requirements import Modes, Requirements
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
 from mtcommission.setpoint.motion_limits import MotionLimits
 from tests.machines import paper_machine
@@ -169,7 +170,7 @@ def test_what_the_rule_does_not_know_is_said() -> None:
     """If it failed, the sheet would print the rule where it was never tried."""
     machine = random_machine(3)
     assert not apply(machine)[0].warnings
-    needs = replace(machine.requirements, peaks=(Peak(name="v", bound=1.0),))
+    needs = replace(machine.requirements, peaks=(SignalValue(name="v", value=1.0),))
     shaper = SetpointFilter(kind="zv", frequency_hz=40.0, damping_ratio=0.02)
     control = replace(machine.control, setpoint_filter=shaper, velocity_feedforward=0.9)
     warnings = apply(replace(machine, requirements=needs, control=control))[0].warnings

@@ -73,7 +73,7 @@ def broken_requirements(machine: Machine, shares: Sequence[float] = (1.0,)) -> l
             load = abs(drive.static_load)
             rms = np.sqrt(found.rms_force**2 + load**2 + 2.0 * load * abs(np.mean(motor)))
             peaks = [
-                (peak.name, float(np.max(np.abs(motion.states @ plant.row(peak.name)))), peak.bound)
+                (peak.name, float(np.max(np.abs(motion.states @ plant.row(peak.name)))), peak.value)
                 for peak in needs.peaks
             ]
             for name, value, limit in (

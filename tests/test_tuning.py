@@ -26,13 +26,13 @@ from mtcommission.loop.tuning.tuned import CLASSIC, TUNING, TunedLoop, close_loo
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import (
     StateFeedback,
-    StateGain,
 )
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.moves import VelocityStep
 from mtcommission.machine.plant.modal import Modal
 from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.profile.read import read_profile
+from mtcommission.machine.readers import SignalValue
 from tests.independent_loop import Profile, profile_of, quiet_copy, run
 from tests.machines import paper_machine, random_modal_machine
 
@@ -149,7 +149,7 @@ def test_unstable_gains_are_refused_and_really_unstable() -> None:
 
 def test_phi_needs_a_sensor_near_the_tool() -> None:
     """The encoder does not see the tower: a gain on it would be faked."""
-    gain = (StateGain(state="phi", value=1e5),)
+    gain = (SignalValue(name="phi", value=1e5),)
     blind = quiet_copy(paper_machine(), state_feedback=StateFeedback.GIVEN, state_gains=gain)
     with pytest.raises(ComputationError, match="phi") as caught:
         tune_loop(blind)

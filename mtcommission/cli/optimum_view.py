@@ -140,9 +140,9 @@ def _damping_lines(
     weights = tuple(
         Message(
             "terminal-weight",
-            state=item.state,
+            state=item.name,
             value=item.value,
-            unit=f"{force}/{_squared(plant.unit(item.state))}",
+            unit=f"{force}/{_squared(plant.unit(item.name))}",
         )
         for item in solution.weights
     )

@@ -22,8 +22,9 @@ from mtcommission.export.subject import Subject
 from mtcommission.limits.judge import Candidate, evaluate
 from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings, describe_margins, has_margins
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.control import Control, ForceFilter, StateFeedback, StateGain
+from mtcommission.machine.control import Control, ForceFilter, StateFeedback
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.readers import SignalValue
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
 from mtcommission.record.limits import ModeLimitsEntry
 from mtcommission.record.read_back import close_as_held
@@ -272,7 +273,7 @@ def _control(values: Values, subject: Subject) -> Control:
 
     lag = subject.machine.drive.force_lag
     fed_back = tuple(
-        StateGain(state=index, value=_number(values, setting, index))
+        SignalValue(name=index, value=_number(values, setting, index))
         for setting, index in values
         if setting is Setting.STATE_GAIN
     )

@@ -69,7 +69,7 @@ def find_optima(machine: Machine, plant: Plant, move: Move) -> Optima:
         remarks.append(
             Message("reference-not-exact", least=proof.t_f_lower_bound, below=proof.relative_gap)
         )
-    bounds = tuple(Bound(name=p.name, value=p.bound) for p in machine.requirements.peaks)
+    bounds = tuple(Bound(name=p.name, value=p.value) for p in machine.requirements.peaks)
     if bounds:
         try:
             constrained = find_time_optimum(plant, move, force_limit=force, bounds=bounds)

@@ -191,11 +191,11 @@ def peak_of(signal: str) -> Requirement:
 
     def bound(machine: Machine) -> float:
         peaks = machine.requirements.peaks
-        return next((peak.bound for peak in peaks if peak.name == signal), inf)
+        return next((peak.value for peak in peaks if peak.name == signal), inf)
 
     def with_bound(machine: Machine, bound: float) -> Machine:
         peaks = tuple(
-            replace(peak, bound=bound) if peak.name == signal else peak
+            replace(peak, value=bound) if peak.name == signal else peak
             for peak in machine.requirements.peaks
         )
         return replace(machine, requirements=replace(machine.requirements, peaks=peaks))

@@ -19,6 +19,7 @@ from mtcommission.machine.readers import (
     PerSignal,
     Reading,
     Signals,
+    SignalValue,
     Word,
     as_typed,
     describe,
@@ -54,14 +55,6 @@ class StateFeedback(Enum):
     AUTO = "auto"
     OFF = "off"
     GIVEN = "given"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class StateGain:
-    """Gain of the state-space extension on one state."""
-
-    state: str  # name of the plant state
-    value: float  # set force per unit of that state's deviation [N/unit]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -185,14 +178,10 @@ class Control:
         default=False,
     )
     state_feedback: StateFeedback = StateFeedback.OFF  # auto, off, or given by ``state_gains``
-    state_gains: tuple[StateGain, ...] = keyed(
+    state_gains: tuple[SignalValue, ...] = keyed(
         Word(
             {"auto": StateFeedback.AUTO, "off": StateFeedback.OFF},
-            Signals(
-                PerSignal.GAIN,
-                lambda state, value: StateGain(state=state, value=value),
-                ("auto", "off"),
-            ),
+            Signals(PerSignal.GAIN, ("auto", "off")),
         ),
         "Active damping of the dominant mode: auto, off, or gains by state.",
         "off",

@@ -36,6 +36,7 @@ from mtcommission.machine.readers import (
     PerSignal,
     Reading,
     Signals,
+    SignalValue,
     Text,
     Word,
     word_of,
@@ -56,27 +57,15 @@ class Motion(Enum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Weight:
-    """Weight of one squared state in the damping functional, eq. (5)."""
-
-    state: str
-    value: float  # c_i [N² per squared unit of the state]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class DampingOptimal:
     """[damping_optimal]: settings of the damping-optimal control."""
 
     t_f: float | None = keyed(TIMES, "Final time.", "52.2 ms", default=None)
     """[s]; None: that of the constrained optimum where there are peaks, else 1.2 x t_f,min."""
-    weights: tuple[Weight, ...] = keyed(
+    weights: tuple[SignalValue, ...] = keyed(
         Word(
             {"balanced": ()},
-            Signals(
-                PerSignal.WEIGHT,
-                lambda state, value: Weight(state=state, value=value),
-                ("balanced",),
-            ),
+            Signals(PerSignal.WEIGHT, ("balanced",)),
         ),
         "Weights c_i of the squared states.",
         "balanced",
@@ -242,7 +231,7 @@ def _refuse_needless(values: dict[str, Any], stated: Mapping[str, Any], reading:
         for key in stated.get(table, ()):
             if key not in keys:
                 reading.refuse((table, key), Message("no-loop-to-set"))
-    if any(weight.state == ACCELERATION for weight in values["damping_optimal"].weights):
+    if any(weight.name == ACCELERATION for weight in values["damping_optimal"].weights):
         weight = ("damping_optimal", "weights", ACCELERATION)
         reading.refuse(weight, Message("acceleration-weighed"))
     for key in ("payload", "payload_radius"):

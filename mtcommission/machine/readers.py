@@ -275,16 +275,23 @@ class PerSignal(Enum):
     WEIGHT = "squared force per squared signal"
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SignalValue:
+    """A number of one state or output of the plant: a bound, a gain or a weight."""
+
+    name: str  # of the signal, e.g. ``v_phi``
+    value: float  # [SI, by what it is]
+
+
 @dataclass(frozen=True, slots=True)
 class Signals:
     """A table with one number for each of some states or, for bounds, outputs."""
 
     kind: PerSignal
-    make: Callable[[str, float], Any]  # of name and number
     words: tuple[str, ...] = ()  # accepted in place of the table, for messages
 
-    def read(self, value: object, place: KeyPath, reading: Reading) -> tuple[Any, ...]:
-        """Return what is made of each."""
+    def read(self, value: object, place: KeyPath, reading: Reading) -> tuple[SignalValue, ...]:
+        """Return each with its number."""
         if not isinstance(value, dict):
             words = one_of(self.words) if self.words else None
             kind = "got-no-signals-or-word" if words else "got-no-signals"
@@ -302,7 +309,7 @@ class Signals:
                 continue
             try:
                 allowed = self._range(signals[name], reading.states["F"])
-                found.append(self.make(name, allowed.number_of(number)))
+                found.append(SignalValue(name=name, value=allowed.number_of(number)))
             except Refused as error:
                 reading.refuse((*place, name), error.message)
         return tuple(found)

@@ -11,19 +11,19 @@ from mtcommission.base.messages.message import Message
 from mtcommission.base.units.quantities import AxisUnits
 from mtcommission.machine import readers as of
 from mtcommission.machine.keys import EMPTY, Misfit, Table, keyed
-from mtcommission.machine.readers import Array, PerSignal, Reading, Signals, Word, as_typed
+from mtcommission.machine.readers import (
+    Array,
+    PerSignal,
+    Reading,
+    Signals,
+    SignalValue,
+    Word,
+    as_typed,
+)
 
 LARGEST_FREQUENCY_SPREAD = 0.5
 MODE_BANDS = {"surface": 0.4, "accuracy": 1.0, "speed": 4.0}
 """Default bands of the machining modes in units of tcp_deviation (interface)."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Peak:
-    """A bound on a state or output over the whole closed-loop response."""
-
-    name: str  # state or output of the plant, e.g. ``v_phi``
-    bound: float  # largest allowed magnitude, in the SI unit of that signal
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -116,8 +116,8 @@ class Requirements:
         "0.3 m",
         default=0.0,
     )  # 0 leaves the inertia alone
-    peaks: tuple[Peak, ...] = keyed(
-        Signals(PerSignal.BOUND, lambda name, bound: Peak(name=name, bound=bound)),
+    peaks: tuple[SignalValue, ...] = keyed(
+        Signals(PerSignal.BOUND),
         "Bounds on states or outputs during the whole response.",
         '{ v_phi = "5 mrad/s" }',
         default=(),

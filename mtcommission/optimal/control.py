@@ -20,9 +20,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm, matrix_balance
 
-from mtcommission.machine.machine import Weight
 from mtcommission.machine.moves import Move, Positioning
 from mtcommission.machine.plant.plant import Plant, driven_at_once
+from mtcommission.machine.readers import SignalValue
 
 Array = NDArray[np.float64]
 
@@ -327,7 +327,7 @@ class Optimum(Generic[Proof]):
     set_state: int = -1  # Index of F among the signals, if it is what is set (a motor that follows)
     certificate: Proof  # The proof
     jerk_limit: float = inf  # Of a motor that follows [m/s³]; inf: the acceleration may jump
-    weights: tuple[Weight, ...] = ()  # c_i of the cost by state
+    weights: tuple[SignalValue, ...] = ()  # c_i of the cost by state
     # Parts of the cost: first of F_set², then one for each weight [N² s]; none of a least time.
     cost_terms: Array = field(default_factory=lambda: np.zeros(0))
 

@@ -26,9 +26,9 @@ from scipy.interpolate import PPoly
 
 from mtcommission.base.errors import ComputationError, Outcome
 from mtcommission.base.messages.message import Message
-from mtcommission.machine.machine import Weight
 from mtcommission.machine.moves import Move
 from mtcommission.machine.plant.plant import Plant
+from mtcommission.machine.readers import SignalValue
 from mtcommission.optimal.control import (
     Arc,
     Bang,
@@ -124,7 +124,7 @@ def state_scales(plant: Plant, *, force_limit: float, t_f: float) -> Array:
 
 
 def _scale_problem(
-    plant: Plant, move: Move, *, force_limit: float, t_f: float, weights: tuple[Weight, ...]
+    plant: Plant, move: Move, *, force_limit: float, t_f: float, weights: tuple[SignalValue, ...]
 ) -> _SaturatedProblem:
     n = plant.order
     # Any time will do as the unit of the adjoint; the lag makes that of the force one.
@@ -133,7 +133,7 @@ def _scale_problem(
     A, B = plant.A * scales / scales[:, None], plant.B * force_limit / scales
     c = np.zeros(n)
     for weight in weights:
-        c[plant.states.index(weight.state)] += weight.value
+        c[plant.states.index(weight.name)] += weight.value
     generators = np.zeros((3, 2 * n + 1, 2 * n + 1))
     generators[:, :n, :n] = A
     generators[:, n : 2 * n, :n] = -2.0 / T * np.diag(c * (scales / force_limit) ** 2)
@@ -357,7 +357,7 @@ MOST_RADIANS = 1e4
 
 
 def solve_damping_optimal(
-    plant: Plant, move: Move, *, force_limit: float, t_f: float, weights: tuple[Weight, ...]
+    plant: Plant, move: Move, *, force_limit: float, t_f: float, weights: tuple[SignalValue, ...]
 ) -> DampingOptimum:
     """Return the control that reaches the target at t_f with the least weighted squares.
 
@@ -431,13 +431,13 @@ def _arcs(problem: _SaturatedProblem, found: _Iterate) -> tuple[Arc, ...]:
     return tuple(arcs)
 
 
-def cost_terms(plant: Plant, motion: FollowedMotion, weights: tuple[Weight, ...]) -> Array:
+def cost_terms(plant: Plant, motion: FollowedMotion, weights: tuple[SignalValue, ...]) -> Array:
     """Return the parts of the cost of a motion: of F_set², then of each weight [N² s]."""
-    squares = [one.value * motion.squares[plant.states.index(one.state)] for one in weights]
+    squares = [one.value * motion.squares[plant.states.index(one.name)] for one in weights]
     return np.array([motion.effort, *squares])
 
 
-def balanced_weights(plant: Plant, reference: TimeOptimum) -> tuple[Weight, ...]:
+def balanced_weights(plant: Plant, reference: TimeOptimum) -> tuple[SignalValue, ...]:
     """Return the weights with which all terms are equal along the time-optimal motion.
 
     c_i = ∫ F_set² dt / ∫ x_i² dt over the reference, for the deflection and the rate of each
@@ -461,6 +461,6 @@ def balanced_weights(plant: Plant, reference: TimeOptimum) -> tuple[Weight, ...]
     motion = follow_control(plant, reference.arcs)
     places = [mode.deflection for mode in plant.modes] + [mode.rate for mode in plant.modes]
     return tuple(
-        Weight(state=plant.states[i], value=motion.effort / float(motion.squares[i]))
+        SignalValue(name=plant.states[i], value=motion.effort / float(motion.squares[i]))
         for i in places
     )

@@ -32,9 +32,9 @@ from numpy.typing import NDArray
 
 from mtcommission.base.errors import ComputationError, Outcome
 from mtcommission.base.messages.message import Message
-from mtcommission.machine.machine import Weight
 from mtcommission.machine.moves import Move, least_motion_time
 from mtcommission.machine.plant.plant import Plant
+from mtcommission.machine.readers import SignalValue
 from mtcommission.optimal.control import (
     ArcControl,
     Bang,
@@ -116,7 +116,7 @@ def transcribe_damping_optimal(
     *,
     force_limit: float,
     t_f: float,
-    weights: tuple[Weight, ...],
+    weights: tuple[SignalValue, ...],
     bounds: tuple[Bound, ...],
     settings: TranscriptionSettings,
 ) -> DampingOptimum:
@@ -160,7 +160,7 @@ class _Problem:
     bounds: tuple[Bound, ...]
     t_f: float  # [s]
     # Of the functional; None: the largest multiple of the target is wanted.
-    weights: tuple[Weight, ...] | None = None
+    weights: tuple[SignalValue, ...] | None = None
 
     @property
     def every_bound(self) -> tuple[Bound, ...]:
@@ -247,7 +247,7 @@ def _solve(problem: _Problem, settings: TranscriptionSettings) -> _Solution:
     else:
         most, weights = 1.0, np.zeros(n)
         for weight in problem.weights:
-            i = plant.states.index(weight.state)
+            i = plant.states.index(weight.name)
             weights[i] += weight.value * (scales[i] / F) ** 2
         cost = _functional(weights, A * (t_f / N), settings.scheme, x, u)
     program = {

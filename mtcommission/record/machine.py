@@ -173,7 +173,7 @@ def _rows(
     yield "requirements.payload (least)", needs.payload[0], axis.mass.si
     yield "requirements.payload (largest)", needs.payload[1], axis.mass.si
     units = _units(plant)
-    yield from ((f"requirements.peaks.{p.name}", p.bound, units[p.name]) for p in needs.peaks)
+    yield from ((f"requirements.peaks.{p.name}", p.value, units[p.name]) for p in needs.peaks)
 
 
 def _spelt(machine: Machine, path: KeyPath) -> str:

@@ -136,7 +136,7 @@ def optimum_entry(plant: Plant, solution: AnyOptimum) -> OptimumEntry:
     limits = {bound.name: bound.value for bound in solution.bounds}
     if isfinite(solution.jerk_limit):
         limits["jerk"] = solution.jerk_limit
-    weights = {item.state: item.value for item in solution.weights}
+    weights = {item.name: item.value for item in solution.weights}
     proof, is_timed, arcs = solution.certificate, solution.kind == "time", join_arcs(solution.arcs)
     adjoint = by_name(plant.states, proof.adjoint_initial)
     rank = proof.terminal_jacobian_rank if isinstance(proof, Certificate) else -1

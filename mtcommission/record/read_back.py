@@ -17,10 +17,11 @@ from mtcommission.loop.tuning.tuned import (
     follow,
 )
 from mtcommission.loop.tuning.tuning import warn_of_modes
-from mtcommission.machine.control import StateFeedback, StateGain
+from mtcommission.machine.control import StateFeedback
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.plant.plant import Plant
 from mtcommission.machine.profile.read import parse_profile
+from mtcommission.machine.readers import SignalValue
 from mtcommission.record.limits import JudgedLimits, ModeLimitsEntry, RecommendedEntry
 from mtcommission.record.loop import LoopPart
 from mtcommission.record.machine import Datum, MachineEntry, PlantEntry, Profile
@@ -82,7 +83,7 @@ def read_held(record: AxisRecord) -> Machine:
         force_filters=tuple(loop.force_filters),
         seeks_force_filters=False,
         state_feedback=StateFeedback.GIVEN if gains else StateFeedback.OFF,
-        state_gains=tuple(StateGain(state=state, value=gain) for state, gain in gains.items()),
+        state_gains=tuple(SignalValue(name=state, value=gain) for state, gain in gains.items()),
     )
     return replace(machine, control=control)
 

@@ -144,7 +144,7 @@ def _solve_optimal(work: Work, machine: Machine, plant: Plant, settings: Setting
         plant,
         machine.moves[work.base.move - 1],
         force_limit=machine.drive.motion_force,
-        bounds=(*work.base.bounds, *(Bound(name=item.name, value=item.bound) for item in peaks)),
+        bounds=(*work.base.bounds, *(Bound(name=item.name, value=item.value) for item in peaks)),
     )
     return Optimum(
         t_f=optimum.t_f,

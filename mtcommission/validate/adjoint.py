@@ -100,7 +100,7 @@ def law_residual(plant: Plant, damping: DampingOptimum, *, samples: int) -> floa
     t = damping.t_f - remaining
     source = np.zeros((plant.order, plant.order))
     for weight in damping.weights:
-        i = plant.states.index(weight.state)
+        i = plant.states.index(weight.name)
         source[i, i] = 2.0 * weight.value
     backward = (plant.A.T, source, -plant.B[None] / 2.0, np.zeros((1, plant.order)))
     _, offset, _ = lsim(backward, CubicHermiteSpline(motion.t, motion.states, rates)(t), remaining)

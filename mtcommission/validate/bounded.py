@@ -182,7 +182,7 @@ def damping_rows(cases: Cases) -> list[Row]:
     """Return what the paper says of the damping-optimal control, beside ours."""
     best, is_refused = cases.damping, cases.time.certificate.t_f_lower_bound > T_F
     terms, weights = best.cost_terms, best.weights
-    shares = dict(zip((w.state for w in weights), (terms[1:] / terms[0]).tolist(), strict=True))
+    shares = dict(zip((w.name for w in weights), (terms[1:] / terms[0]).tolist(), strict=True))
     share = best.cost / coasting_cost(cases)
     said = {"longer": BOUNDED_T_F, "least": T_F, "refused": "yes" if is_refused else "no"}
     return [
@@ -215,7 +215,7 @@ def _weights(cases: Cases) -> list[Row]:
     off = max(abs(ours.value / printed.value - 1.0) for printed, ours in pairs)
     for printed, ours in pairs:
         is_first = "no" if rows else "yes"
-        said: dict[str, Value] = {"state": printed.state, "off": off, "is_first": is_first}
+        said: dict[str, Value] = {"state": printed.name, "off": off, "is_first": is_first}
         room = 0.02 * printed.value
         rows.append(number("weight", printed.value, ours.value, room, said))
     return rows

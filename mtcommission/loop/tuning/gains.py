@@ -153,7 +153,7 @@ def given_state_feedback(machine: Machine, plant: Plant, cascade: Controller) ->
     """
     gains = np.zeros(plant.order)
     for item in machine.control.state_gains:
-        gains[plant.states.index(item.state)] = item.value
+        gains[plant.states.index(item.name)] = item.value
     observer = design_observer(machine, plant, cascade)
     hidden = tuple(plant.states[i] for i in np.flatnonzero(gains) if i not in observer.states)
     if hidden:
