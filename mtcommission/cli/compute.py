@@ -439,11 +439,11 @@ def sweep(
     from mtcommission.sweep.engine import RESULTS, run_sweep
     from mtcommission.sweep.lanes import Engine
     from mtcommission.sweep.request import read_plan
+    from mtcommission.sweep.store import write_safely
     from mtcommission.sweep.table import (
         print_sweep,
         read_table,
         summarise,
-        write_safely,
         write_table,
     )
 
@@ -467,7 +467,7 @@ def sweep(
     table = read_table(plan, store)
     write_table(table, output, words())
     page = print_sweep(plan, table, words(), created=store.created)
-    write_safely(output / "sweep.html", lambda file: file.write(page.encode()))
+    write_safely(output / "sweep.html", page.encode())
     sys.stdout.write("\n".join(summarise(table, words())) + "\n")
     print_written(output, RESULTS)
     raise typer.Exit(0 if table.is_met else 1 if table.done else 3)

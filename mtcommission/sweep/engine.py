@@ -13,13 +13,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from mtcommission.base.errors import ComputationError, InputError, Outcome
-from mtcommission.base.files import replace_file
 from mtcommission.base.messages.message import Message
 from mtcommission.base.process import end_as_if_by_keyboard
 from mtcommission.sweep.lanes import Engine, NoSchedulerError, solve_pieces
 from mtcommission.sweep.plan import Plan, piece_size
 from mtcommission.sweep.solve import DONE, Answer, Work, cut_work, place_of_record
-from mtcommission.sweep.store import Store, disk_full, hold_folder, open_store
+from mtcommission.sweep.store import Store, hold_folder, open_store, write_safely
 
 LOSSES = 3
 """Lost workers in a row, without a finished piece between, that end a sweep."""
@@ -124,15 +123,7 @@ class _Run:
         """Write a piece as it comes in, the records of whole runs first."""
         for number, answer in enumerate(answers):
             if answer.record:
-                self.keep(work.first + number, answer.record)
+                place = place_of_record(work.first + number)
+                write_safely(self.store.path.parent / place, answer.record.encode())
         self.store.append(work.piece, answers)
         self.count(work.piece, answers)
-
-    def keep(self, case: int, record: str) -> None:
-        """Write the record of a whole run."""
-        path = self.store.path.parent / place_of_record(case)
-        try:
-            path.parent.mkdir(exist_ok=True)
-            replace_file(path, record.encode())
-        except OSError as error:
-            raise disk_full(path, error) from error

@@ -12,17 +12,17 @@ from __future__ import annotations
 import errno
 import json
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 from zlib import crc32
 
 from filelock import FileLock, Timeout
 
 from mtcommission.base.errors import InputError
-from mtcommission.base.files import no_folder
+from mtcommission.base.files import no_folder, replace_file
 from mtcommission.base.messages.message import Message
 from mtcommission.sweep.solve import Answer
 
@@ -51,7 +51,7 @@ class Store:
         try:
             _append_line(self.path, _checksum(text) + text + b"\n")
         except OSError as error:
-            raise disk_full(self.path, error) from error
+            raise _disk_full(self.path, error) from error
 
     def pieces(self) -> Iterator[tuple[int, tuple[Answer, ...]]]:
         """Yield number and answers of the finished pieces, in the order in which they came in."""
@@ -130,10 +130,17 @@ def _checksum(text: bytes) -> bytes:
     return b"%08x " % crc32(text)
 
 
-def disk_full(path: Path, error: OSError) -> InputError:
-    """Return the error of a file that could not be written while the rows before are kept."""
-    message = Message("sweep-disk-full", reason=str(error.strerror))
-    return InputError.at(str(path), message)
+def write_safely(path: Path, content: bytes | Callable[[BinaryIO], object]) -> None:
+    """Write a file of a sweep as a whole; raise InputError: it cannot be, all rows are kept."""
+    try:
+        path.parent.mkdir(exist_ok=True)
+        replace_file(path, content)
+    except OSError as error:
+        raise _disk_full(path, error) from error
+
+
+def _disk_full(path: Path, error: OSError) -> InputError:
+    return InputError.at(str(path), Message("sweep-disk-full", reason=str(error.strerror)))
 
 
 @contextmanager

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 import polars as pl
 
-from mtcommission.base.files import replace_file
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.base.web import json_for_script, render_page
@@ -18,7 +16,7 @@ from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.profile.read import parse_profile
 from mtcommission.sweep.plan import Plan, Quantity, piece_size, si_number, vary_profile
 from mtcommission.sweep.solve import DONE, Column, columns
-from mtcommission.sweep.store import Store, disk_full
+from mtcommission.sweep.store import Store, write_safely
 
 TYPES = {"float": pl.Float64(), "int": pl.Int64(), "bool": pl.Boolean(), "str": pl.String()}
 
@@ -130,14 +128,6 @@ def write_table(table: SweepTable, folder: Path, words: Catalogue) -> None:
         folder / "rows.parquet", lambda file: table.frame.write_parquet(file, metadata=metadata)
     )
     write_safely(folder / "rows.csv", titled.write_csv)
-
-
-def write_safely(path: Path, fill: Callable[[BinaryIO], object]) -> None:
-    """Write a file as a whole; raise InputError, which says that the rows are kept, if it fails."""
-    try:
-        replace_file(path, fill)
-    except OSError as error:
-        raise disk_full(path, error) from error
 
 
 # The page: offline, plots, trade-off, map, sortable rows
