@@ -152,29 +152,22 @@ class Formatter:
         if value == 0.0:
             return "0"
         exponent = floor(log10(abs(value)))
-        if -4 < exponent < 6:
-            decimals = max(0, digits - 1 - exponent)
-            text = f"{abs(value):.{decimals}f}"
-        else:
-            mantissa, _, power = f"{abs(value):.{digits - 1}e}".partition("e")
-            text = mantissa
-        if "." in text:
-            text = text.rstrip("0").rstrip(".")
-        if not -4 < exponent < 6:
-            text = f"{text}×10{str(int(power)).translate(SUPERSCRIPTS)}"
-        return ("−" if value < 0.0 else "") + text.replace(".", self.decimal_mark)
+        form = f".{max(0, digits - 1 - exponent)}f" if -4 < exponent < 6 else f".{digits - 1}e"
+        mantissa, mark, power = f"{abs(value):{form}}".partition("e")
+        if "." in mantissa:
+            mantissa = mantissa.rstrip("0").rstrip(".")
+        text = raise_power(f"{mantissa}{mark}{power}").replace(".", self.decimal_mark)
+        return f"−{text}" if value < 0.0 else text
 
     def plain(self, value: float, digits: int, style: str) -> str:
         """Return a number as Python's format prints it, with the language's decimal mark."""
         return f"{value:.{digits}{style}}".replace(".", self.decimal_mark)
 
-    def percent(self, fraction: float, *, digits: int = 3) -> str:
-        """Return a fraction in per cent."""
-        return self.with_unit(self.number(100.0 * fraction, digits=digits), "%")
-
-    def percent_if_known(self, fraction: float | None, *, digits: int = 3) -> str:
+    def percent(self, fraction: float | None, *, digits: int = 3) -> str:
         """Return a fraction in per cent; None is a dash."""
-        return "–" if fraction is None else self.percent(fraction, digits=digits)
+        if fraction is None:
+            return "–"
+        return self.with_unit(self.number(100.0 * fraction, digits=digits), "%")
 
     def signed_percent(self, fraction: float) -> str:
         """Return a change in per cent with its sign; below 0.005 % it is none.
@@ -209,10 +202,13 @@ def symbol(name: str) -> str:
 
 def tick_text(value: float, decimal_mark: str) -> str:
     """Return the number at a tick of a plot."""
-    digits, _, power = f"{value:.6g}".partition("e")
-    if power:
-        digits += f"×10{str(int(power)).translate(SUPERSCRIPTS)}"
-    return digits.replace("-", "−").replace(".", decimal_mark)
+    return raise_power(f"{value:.6g}").replace("-", "−").replace(".", decimal_mark)
+
+
+def raise_power(number: str) -> str:
+    """Return a number of Python's as printed: 1e-06 is 1×10⁻⁶."""
+    digits, _, power = number.partition("e")
+    return f"{digits}×10{str(int(power)).translate(SUPERSCRIPTS)}" if power else digits
 
 
 def motion_unit(unit: str, *, rotary: bool, follows: bool = False) -> str:
@@ -288,8 +284,7 @@ def functions_of(form: Formatter) -> dict[str, Callable[..., Any]]:
         return form.plain(PER_SI[unit] * (_number(value) or 0.0), int(str(digits)), str(style))
 
     def rounded(value: object, digits: object = DIGITS, unit: str = "") -> str:
-        number, _, power = plain(value, digits, unit).partition("e")
-        return f"{number}×10{str(int(power)).translate(SUPERSCRIPTS)}" if power else number
+        return raise_power(plain(value, digits, unit))
 
     def quantity(unit: str) -> Callable[..., str]:
         return lambda value, digits=DIGITS: form.quantity(_number(value), unit, digits=int(digits))
@@ -304,7 +299,7 @@ def functions_of(form: Formatter) -> dict[str, Callable[..., Any]]:
         "SI": lambda value, quantity, digits=DIGITS: (
             f"{rounded(value, digits)} {_printed(units[str(quantity)][form.rotary])}"
         ),
-        "SHARE": lambda value, digits=3: form.percent_if_known(_number(value), digits=int(digits)),
+        "SHARE": lambda value, digits=3: form.percent(_number(value), digits=int(digits)),
         "PERCENT": lambda value: form.with_unit(f"{100.0 * (_number(value) or 0.0):.0f}", "%"),
         "CHANGE": lambda value: form.signed_percent(_number(value) or 0.0),
         "FEED": lambda value: form.feed(_number(value) or 0.0),
