@@ -280,6 +280,16 @@ def test_what_cannot_work_is_refused_before_computing(
     assert file.read_text() == "mine"
 
 
+def test_a_bad_profile_leaves_nothing_behind(run: Run, tmp_path: Path) -> None:
+    """A folder with half a result would be taken for one."""
+    profile = tmp_path / "bad.toml"
+    profile.write_text('schema = 1\n[plant]\nbase_mass = "-450 kg"\n', encoding="utf-8")
+    code, out, err = run("run", profile, "-o", tmp_path / "out")
+    assert (code, out) == (2, "")
+    assert "bad.toml:3" in err
+    assert not (tmp_path / "out").exists()
+
+
 @pytest.mark.parametrize(
     ("language", "missing", "no_record"),
     [
