@@ -92,7 +92,7 @@ def _filter(machine: Machine, best: RecommendedEntry, spoken: Catalogue) -> str:
     said = f"{spoken.text(kind)}: {say_filter(best.setpoint_filter, spoken)}"
     if not machine.control.kind.has_jerk_limit:
         return said
-    return f"{said}; {spoken.text('jerk-time')}: {show(best.jerk_time, spoken, 's')}"
+    return f"{said}. {spoken.text('jerk-time')}: {show(best.jerk_time, spoken, 's')}"
 
 
 def _is_of_loop(note: Message | str) -> bool:
@@ -144,9 +144,9 @@ def _limits_table(machine: Machine, answer: LimitsAnswer, spoken: Catalogue) -> 
     )
     styles = ["bold" if one is answer.recommended else "" for _, one, _ in rows]
     shown = list_quantities(spoken, columns, rows, styles)
-    if more := rules[len(others) :]:
-        missed = sum(not one.meets_requirements for one in rules if one not in others)
-        shown.append(text("terminal-more-rules", count=len(more), missed=missed))
+    if more := [one for one in rules if one not in others]:
+        met = sum(one.meets_requirements for one in more)
+        shown.append(text("terminal-more-rules", count=len(more), met=met))
     return shown
 
 

@@ -59,8 +59,8 @@ terminal-assumed = Assumed: { $what }.
 terminal-bound-by = Bound by: { $what }.
 # $places: each requirement with its worst corner
 terminal-worst = Worst corners: { $places }.
-# $missed: how many of them miss a requirement
-terminal-more-rules = Rules of thumb not shown: { $count }; { $missed } of them miss a requirement.
+# $met: how many of them meet every requirement
+terminal-more-rules = Rules of thumb not shown: { $count }; { $met } of them meet every requirement.
 terminal-more-notes = More notes: { $count }, see the sheet.
 terminal-response = Response of the loop
 terminal-simulated = Simulated: a { $acceleration }, j { $jerk }, setpoint filter { $filter }; { $moves }.
