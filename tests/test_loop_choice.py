@@ -17,6 +17,7 @@ from mtcommission.machine.machine import Machine
 from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.study.loops import (
     LoopChoice,
+    disturb,
     say_settling,
     settle_on_loop,
     show_state_feedback,
@@ -68,6 +69,7 @@ def test_state_feedback_is_shown_beside_and_not_used() -> None:
     assert [item.is_used for item in shown.variants] == [True, False]
     assert shown.variants[1].tuned.controller.state_gains.any()
     assert shown.remarks[-1].kind == "state-feedback-would"
+    assert set(disturb(shown)) == {"without-state-feedback", "with-state-feedback"}
     assert not shown.tuned.controller.state_gains.any()
 
 
@@ -77,6 +79,7 @@ def test_state_feedback_that_brings_nothing_is_no_reason() -> None:
     choice = settle_on_loop(machine)
     shown = show_state_feedback(machine, choice)
     assert shown.remarks == choice.remarks
+    assert set(disturb(shown)) == {"loop-in-use"}
     assert shown.tuned.remarks[-1].kind == "state-feedback-would"
 
 

@@ -363,12 +363,13 @@ def describe_loop(controller: Controller) -> list[Message]:
 def disturb(loop: LoopChoice) -> dict[str, DisturbanceStep]:
     """Return how the tool answers to a step of force, on the nominal machine, by name of the loop.
 
-    The loops without and with state feedback, or the one there is; empty where the motor follows
-    its setpoint, whatever pushes.
+    The loops without and with state feedback where that pays, else the one in use; empty where the
+    motor follows its setpoint, whatever pushes.
     """
     if loop.tuned.controller.follows:
         return {}
-    shown = {item.name.kind: item.tuned for item in loop.variants if item.name}
+    compared = loop.variants if loop.variants and _pays(*loop.variants)[0] else ()
+    shown = {item.name.kind: item.tuned for item in compared if item.name}
     return {
         name: simulate_disturbance(tuned.loops[0], duration=STUDY.push_time)
         for name, tuned in (shown or {"loop-in-use": loop.tuned}).items()
