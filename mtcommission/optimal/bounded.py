@@ -9,7 +9,7 @@ docs/optimal-control.md derives the method.
 from __future__ import annotations
 
 from dataclasses import replace
-from math import inf, nan
+from math import nan
 
 import numpy as np
 from numpy.typing import NDArray
@@ -151,17 +151,16 @@ def refuse_impossible(plant: Plant, move: Move, bounds: tuple[Bound, ...]) -> No
 def _search(problem: BoundedProblem, *, t_free: float) -> Found:
     """Return the exact sequence that finer and finer cells show, or the best control on cells."""
     best: Seen | None = None
-    gap = inf
     first = first_cells(problem, t_free=t_free)
     for seen in refined(problem, first):
         guess = detect_sequence(problem, seen.structure, seen.dual, seen.mesh)
         found = solve_exactly(problem, guess)
         if found is not None:
             return found
-        may_be_exact = seen.gap < gap and not holds_high_order(problem, guess)
-        if seen.gap < gap:
-            best, gap = seen, seen.gap
-        if gap < ENOUGH and not may_be_exact:
+        may_be_exact = False
+        if best is None or seen.gap < best.gap:
+            best, may_be_exact = seen, not holds_high_order(problem, guess)
+        if best.gap < ENOUGH and not may_be_exact:
             break
     # Where an arc is held too long for a control that has to enter it, the first cells hold none.
     measure = first.measure if best is None else best.cells.measure

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from mtcommission.optimal.cells import MOST_ENTRIES, RADIANS_PER_CELL, beyond_time, exchange
 from mtcommission.optimal.control import Arc, Bang, Interior, constant_arc
+from mtcommission.optimal.edits import MOST_GROWTH
 from mtcommission.optimal.problem import ArcInterior, BoundedProblem
 from mtcommission.optimal.program import (
     Cells,
@@ -62,8 +63,6 @@ JUNCTIONS, BEYOND = (6, 30), 0.3
 INSIDES, APART = 8, 0.3
 """Edges inside an interior from each end on, for what looks at its cells, and the share of one that
 others keep from its ends."""
-MOST_GROWTH = 10.0
-"""Growth of the motion over an interior, as exponent of e, from which no digits are left."""
 SEVERAL = 2
 """Machines from which on no interiors are held: what no proof is asked of does without them."""
 LEAST_CELL = 1e-9
