@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import cos, hypot, pi, sin, sqrt
+from math import ceil, cos, hypot, pi, sin, sqrt
 
 import numpy as np
 import pytest
@@ -343,10 +343,10 @@ def test_another_tolerance_than_the_profiles_is_named_and_what_helps_is_next(
 ) -> None:
     """It was judged beside the profiles' own without a remark, and ended with `export`."""
     words, profiles = Catalogue("en"), [X, Y]
-    narrow = replace(joined, task=replace(joined.task, tolerance=10e-6))
+    narrow = replace(joined, task=replace(joined.task, tolerance=8e-6))
     record = build_group_record(narrow, created="today")
     (remark,) = (one for one in record.warnings if one.kind == "group-other-contours")
-    assert "judged within 10 µm" in words.say(remark).replace("\N{NARROW NO-BREAK SPACE}", " ")
+    assert "judged within 8 µm" in words.say(remark).replace("\N{NARROW NO-BREAK SPACE}", " ")
     # Their own is 20 µm, and stands in the profiles.
     assert words.say(remark).endswith(
         "X 20\N{NARROW NO-BREAK SPACE}µm, Y 20\N{NARROW NO-BREAK SPACE}µm."
@@ -358,12 +358,13 @@ def test_another_tolerance_than_the_profiles_is_named_and_what_helps_is_next(
     # The path's limits are those of the wider tolerance.
     circle, line, *others = record.assessment.checks
     assert circle.value == pytest.approx(0.8 * 20e-6, rel=0.02)
-    assert "--tolerance 20um" in say_next(record, profiles, words)
-    # A peak of 16.75 µm at the reversal of Y.
+    assert f"--tolerance {ceil(1e6 * circle.value / 0.8)}um" in say_next(record, profiles, words)
+    # The peak at the reversal of Y alone is too large.
     thrown = replace(record, assessment=replace(record.assessment, checks=others))
     step = say_next(thrown, profiles, words)
     assert "friction of Y" in step
-    assert "--tolerance 17um" in step
+    peak = record.circle[-1].quadrant_peak["Y"]
+    assert f"--tolerance {ceil(1e6 * peak)}um" in step
     assert line.met
     own = replace(record.axes[1].assessment, met=False)
     alone = replace(record, axes=[record.axes[0], replace(record.axes[1], assessment=own)])

@@ -272,7 +272,7 @@ def say_corners(record: GroupRecord, words: Catalogue) -> str:
 
 
 def _checks(record: GroupRecord, words: Catalogue) -> Table:
-    name, where = Quantity("check", "label", width=2.6), Quantity("where", "where", width=8.8)
+    name, where = Quantity("check", "label", width=3.0), Quantity("where", "where", width=8.6)
     # Rows that are not kept stand out; that leaves room for the place.
     columns, checks = (name, *check_columns(words)[:-1], where), record.assessment.checks
     return table(words, "checks-caption", columns, checks, strong=lambda check: not check.met)
