@@ -71,7 +71,8 @@ const contours = (() => {
         const position = radius * times(answer, turn(phase - quarter))[0];
         if (!off) return position;
         const halves = Math.floor((phase - quarter - late) / Math.PI), since = (phase - quarter - late - halves * Math.PI) / omega;
-        const out = mix(off, between(model.since, since));
+        // No longer than it was followed.
+        const out = since > model.since[model.since.length - 1] ? 0 : mix(off, between(model.since, since));
         return position + (halves % 2 ? -out : out);
       });
       return {angle: Math.atan2(y, x), off: Math.hypot(x, y) - radius};
