@@ -1,6 +1,5 @@
 # candidates and ways
 way-recommended = empfohlen
-recommended-limits = empfohlene Grenzwerte
 way-listed = nur angegebene Größen
 shaper-for-mode = { $shaper }-Shaper ({ $mode }, { NUMBER($frequency, digits: 3) } Hz)
 shaper-of-calibration = calibrate_shaper: { $shaper } { FREQUENCY($frequency) }

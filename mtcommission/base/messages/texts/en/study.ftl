@@ -2,7 +2,6 @@
 
 # candidates and ways
 way-recommended = recommended
-recommended-limits = recommended limits
 way-listed = listed sizes only
 shaper-for-mode = { $shaper } shaper ({ $mode }, { NUMBER($frequency, digits: 3) } Hz)
 shaper-of-calibration = calibrate_shaper: { $shaper } { FREQUENCY($frequency) }
