@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 from math import inf
+from typing import Final
 
 
 class Jerk(Enum):
@@ -29,7 +30,8 @@ class PositionLoop(Enum):
     DRIVE = "drive"
 
 
-NOTCH, LOW_PASS = "notch", "low_pass"
+NOTCH: Final = "notch"
+LOW_PASS: Final = "low_pass"
 """Kinds of filter in the torque setpoint, as in profiles."""
 
 MOVING_AVERAGE, TWO_AVERAGES, FIR = "moving_average", "two_moving_averages", "fir"

@@ -11,6 +11,7 @@ from mtcommission.base.errors import ComputationError, InputError
 from mtcommission.base.messages.message import Message
 from mtcommission.controls.kind import (
     FIR,
+    LOW_PASS,
     MOVING_AVERAGE,
     NOTCH,
     SHAPERS,
@@ -294,7 +295,7 @@ def _control(values: Values, subject: Subject) -> Control:
         state_gains=fed_back,
         force_filters=tuple(
             ForceFilter(
-                kind=str(values[Setting.FILTER_KIND, i]),
+                kind=NOTCH if values[Setting.FILTER_KIND, i] == NOTCH else LOW_PASS,
                 natural_frequency=2.0 * pi * _number(values, Setting.FILTER_FREQUENCY, i),
                 damping=_number(values, Setting.FILTER_DAMPING, i),
                 width=_number(values, Setting.FILTER_WIDTH, i, missing=1.0),

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum
 from math import pi
-from typing import Any
+from typing import Any, Literal
 
 from mtcommission.base.messages.message import Message
 from mtcommission.base.units.quantities import AxisUnits
@@ -61,7 +61,7 @@ class StateFeedback(Enum):
 class ForceFilter:
     """One filter in the set-force path, an element of force_filters of [control]."""
 
-    kind: str = keyed(word_of((NOTCH, LOW_PASS)), "Kind of filter.", NOTCH)
+    kind: Literal["notch", "low_pass"] = keyed(word_of((NOTCH, LOW_PASS)), "Kind of filter.", NOTCH)
     natural_frequency: float = keyed(
         of.FREQUENCIES, "Frequency of the filter.", "72 Hz", key="frequency", factor=2.0 * pi
     )  # [rad/s]
