@@ -124,6 +124,20 @@ def test_what_the_record_promises_holds_where_the_machine_is_the_record_s(
     assert found.shift == pytest.approx(how.lag, abs=2e-5)
 
 
+@pytest.mark.parametrize("grain", [1e-9, 1e-7, 1e-6])
+@pytest.mark.parametrize("name", [GANTRY, "honing-z"])
+def test_a_slow_start_below_the_resolution_counts_as_settling_time(
+    name: str, grain: float, tmp_path: Path
+) -> None:
+    """Ten milliseconds that no digit showed were left out: a move that is too slow "held"."""
+    how = Spoilt(step=1e-3, setpoint_grain=grain, grain=min(grain, 1e-7))
+    settling = find(verified(name, tmp_path, how), "move 1: settling time")
+    true = record_of(name).moves[0].response.settling_time
+    assert settling.measured == pytest.approx(true, abs=2e-4)
+    assert settling.predicted == pytest.approx(true, abs=2e-4)
+    assert settling.uncertainty < 2e-3
+
+
 @pytest.mark.parametrize("dwell", [-0.05, 0.0])
 def test_a_trace_that_ends_while_the_axis_moves_never_holds(dwell: float, tmp_path: Path) -> None:
     """Whoever stops the recorder too soon would be told of a fault of the program."""

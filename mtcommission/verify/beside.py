@@ -22,7 +22,7 @@ from mtcommission.machine.identified import Estimate
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import Setpoint
 from mtcommission.verify.prediction import ENCODER, FORCE, TOOL, Prediction, Rebuilt, predict
-from mtcommission.verify.setpoint import Motion, number_of, planned
+from mtcommission.verify.setpoint import Motion, find_start, number_of, planned
 from mtcommission.verify.trace import Role, Trace, resolution
 
 REST = 0.1
@@ -77,6 +77,9 @@ class Recorded:
     motion: Motion
     number: int  # which of the record's moves it is, from 1; 0 for none
     setpoint: Setpoint | None  # what the control should have sent; None: it cannot be planned
+    begin: float  # when that began, before the record shows it [s]
+    begin_error: float  # [s]
+    rest: float  # when the tool should rest, or coast [s]
     prediction: Prediction  # what the loop makes of the recorded setpoint
     shift: float  # by which the position comes later than predicted [s]
     shift_error: float  # two standard errors of it; inf: not known [s]
@@ -101,7 +104,10 @@ def lay_out(rebuilt: Rebuilt, entered: MotionLimits, trace: Trace, motion: Motio
     applied = shift if abs(shift) <= allowed_shift(rebuilt, trace) else 0.0
     if applied:
         beside = tuple(_lay_beside(rebuilt, trace, motion, prediction, shift=applied))
-    rest = motion.end + rebuilt.controller.reference_delay + applied
+    plan = planned(motion, moves[number - 1] if number else None, entered)
+    begin, begin_error = find_start(motion, plan)
+    end = max(motion.end, begin + plan.duration) if plan else motion.end
+    rest = end + rebuilt.controller.reference_delay + applied
     modes: tuple[FreeMode | None, ...] = tuple(None for _ in rebuilt.plant.modes)
     for one in beside:
         if one.role is Role.FORCE or motion.is_cut or any(modes):
@@ -116,7 +122,10 @@ def lay_out(rebuilt: Rebuilt, entered: MotionLimits, trace: Trace, motion: Motio
         trace=trace,
         motion=motion,
         number=number,
-        setpoint=planned(motion, moves[number - 1] if number else None, entered),
+        setpoint=plan,
+        begin=begin,
+        begin_error=begin_error,
+        rest=rest,
         prediction=prediction,
         shift=shift,
         shift_error=2.0 * error,

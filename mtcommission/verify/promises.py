@@ -75,12 +75,6 @@ class _Promises:
         return self.recorded.number
 
     @property
-    def rest(self) -> float:
-        """When the tool should rest, or coast [s]."""
-        tau = self.rebuilt.controller.reference_delay
-        return self.recorded.motion.end + tau + self.recorded.applied_shift
-
-    @property
     def promised_settling(self) -> float:
         """What the requirement allows, or else the slowest corner of the record [s]."""
         required = SETTLING_TIME.bound(self.rebuilt.machine)
@@ -123,18 +117,20 @@ class _Promises:
         row = partial(judged, move=self.number)
         settled = partial(self._settling, one, one.deviation)
         settling, earliest, latest = map(settled, (band, band + noise, band - slack))
+        off = max(settling - earliest, latest - settling, one.step) + recorded.begin_error
+        earliest, latest = earliest - recorded.begin_error, latest + recorded.begin_error
         checks = [
             row(
                 "settling time",
                 "s",
                 judge(earliest, latest, -inf, promised),
                 predicted=[self._settling(one, values, band) for values in one.predicted],
-                seen=(settling, max(settling - earliest, latest - settling, one.step)),
+                seen=(settling, off),
                 limit=promised,
             )
         ]
         for key, flags, limit in (
-            ("residual deviation", one.after(self.rest), band),
+            ("residual deviation", one.after(self.recorded.rest), band),
             ("peak deviation", one.t >= motion.begin, machine.requirements.contour_deviation),
         ):
             predicted = [_largest(values[flags]) for values in one.predicted]
@@ -163,16 +159,16 @@ class _Promises:
 
     def _settling(self, one: Beside, values: Array, limit: float) -> float:
         """Time from the start until a deviation stays within a limit; inf: never."""
-        after = one.after(self.rest)
+        after = one.after(self.recorded.rest)
         outside = np.flatnonzero(np.abs(values[after]) > limit)
         if limit <= 0.0 or (outside.size and outside[-1] == after.sum() - 1):
             return inf
-        settled = float(one.t[after][outside[-1] + 1]) if outside.size else self.rest
-        return settled - self.recorded.motion.begin
+        settled = float(one.t[after][outside[-1] + 1]) if outside.size else self.recorded.rest
+        return settled - self.recorded.begin
 
     def _doubt(self, one: Beside, band: float, noise: float) -> Message | None:
         """What forbids to say that the band is kept; None: nothing."""
-        length = self.recorded.motion.until - self.rest
+        length = self.recorded.motion.until - self.recorded.rest
         rates = [mode.damping_ratio * mode.natural_frequency for mode in self.rebuilt.plant.modes]
         needed = DECAY_TIMES / min(rates) if rates else 0.0
         if length < needed:
@@ -182,7 +178,10 @@ class _Promises:
         if one.role is not Role.TOOL and (hidden := self.hidden_mode):
             foreseen = self.recorded.prediction
             apart = foreseen.outputs[:, :, TOOL] - foreseen.outputs[:, :, ENCODER]
-            if float(np.abs(apart[:, foreseen.t >= self.rest]).max(initial=0.0)) > HIDDEN * band:
+            if (
+                float(np.abs(apart[:, foreseen.t >= self.recorded.rest]).max(initial=0.0))
+                > HIDDEN * band
+            ):
                 return Message("verify-encoder-only", mode=hidden)
         return None
 

@@ -72,6 +72,9 @@ class Motion:
     acceleration: Reached
     jerk: Reached
     blur: float  # by which begin and end may be off: the first steps are too small to see [s]
+    seen: float  # first sample that stands out of noise and resolution [s]
+    seen_travel: float  # to it, its magnitude [m]
+    seen_error: float  # of that, two standard deviations [m]
     is_cut: bool  # whether the record ends before the setpoint does
     start: float  # position before it [m]
     final_velocity: float  # [m/s]
@@ -188,7 +191,8 @@ class _Stretch:
         level = CALM * self.noise
         start = float(np.median(x[: self.first]))
         off = np.flatnonzero(np.abs(x - start) > level)
-        begin = max(int(off[0]) - 1, 0) if off.size else self.first
+        seen = int(off[0]) if off.size else self.first
+        begin = max(seen - 1, 0) if off.size else self.first
         top = float(np.ptp(x)) / (x.size * h)
         velocity = self._reached(1, slice(begin, x.size), wanted=WANTED * top)
         last, until, speed = min(self.last, x.size - 1), x.size - 1, 0.0
@@ -216,7 +220,9 @@ class _Stretch:
         return Motion(
             begin=float(begin_t), end=float(end_t), until=float(t[until]), coasts=speed != 0.0,
             travel=(float(spline(end_t)) if speed else goal) - start, velocity=velocity,
-            acceleration=reached[0], jerk=reached[1], blur=blur + h, is_cut=is_cut, start=start,
+            acceleration=reached[0], jerk=reached[1], blur=blur + h, seen=float(t[seen]),
+            seen_travel=abs(float(x[seen]) - start), seen_error=2.0 * self.noise, is_cut=is_cut,
+            start=start,
             final_velocity=speed, spline=spline,
         )  # fmt: skip
 
@@ -284,6 +290,9 @@ CRUISE, CRUISE_SHARE = 0.998, 0.15
 TELLING = 0.1
 """Uncertainty, as share of what was planned, above which nothing is said for the planner."""
 
+START_SAMPLES = 4000
+"""Of a plan, close together at its start."""
+
 PHASES = 16
 """Places of the samples within a step at which the plan is looked at."""
 
@@ -324,6 +333,20 @@ def planned(motion: Motion, move: Move | None, entered: MotionLimits) -> Setpoin
         return plan_setpoint(move, entered)
     except MtcommissionError:
         return None
+
+
+def find_start(motion: Motion, plan: Setpoint | None) -> tuple[float, float]:
+    """Return when a move began, and by how much that may be off [s].
+
+    A filtered setpoint starts so slowly that its first milliseconds are below the resolution of a
+    record: the plan tells how long it took to the first sample that shows it.
+    """
+    if plan is None:
+        return motion.begin, motion.blur
+    t = plan.duration * np.append(0.0, np.geomspace(1e-6, 1.0, START_SAMPLES))
+    x, error = sample_setpoint(plan, t)[:, 0], motion.seen_error
+    low, taken, high = np.interp(motion.seen_travel + np.array([-error, 0.0, error]), x, t)
+    return motion.seen - float(taken), 0.5 * float(high - low)
 
 
 def _peaks(setpoint: Setpoint, order: int, reached: Reached) -> Array:
