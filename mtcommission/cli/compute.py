@@ -122,7 +122,10 @@ def run(
     )
     rows = ROWS - ROWS_BELOW
     assumed = list_assumed(machine, found.plant, source.text, spoken)
-    show(describe_limits(machine, answer, spoken, assumed=assumed, further=further, rows=rows))
+    lines = describe_limits(
+        machine, answer, spoken, assumed=assumed, further=further, rows=rows, has_sheet=True
+    )
+    show(lines)
     kind = machine.control.kind.key
     is_known = kind in CONTROL_KEYS and kind != GENERIC.key
     file = shlex.quote(str(output / "record.json"))

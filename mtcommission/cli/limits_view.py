@@ -46,11 +46,12 @@ def describe_limits(
     assumed: Sequence[str],
     further: Iterable[Message | str] = (),
     rows: int = ROWS,
+    has_sheet: bool = False,
 ) -> list[Line]:
-    """Return the answer of ``limits`` and ``run`` on one screen.
+    """Return the answer of ``limits`` and ``run`` on one screen, more only where warnings are long.
 
     ``assumed``: what nobody stated; ``further``: what is said where there is room, the most
-    important first; ``rows`` of the screen.
+    important first; ``rows`` of the screen; ``has_sheet``: whether a sheet says what is left out.
     """
     text, said, best, verdict = spoken.text, spoken.say, answer.recommended, answer.assessment
     shown = [
@@ -60,19 +61,21 @@ def describe_limits(
         text("terminal-bound-by", what=said(best.bound_by)),
         *_checks(machine, verdict, spoken),
     ]  # fmt: skip
+    warned = warn(spoken, [one for one in answer.warnings if not _is_of_loop(one)])
+    room = rows - len(fold([*shown, *warned]))
+    shown += [_assumed(machine, assumed, spoken, rows=min(room, ASSUMED_ROWS)), *warned]
     notes = [
-        _assumed(assumed, spoken),
-        *warn(spoken, [one for one in answer.warnings if not _is_of_loop(one)]),
         *(said(one) for one in answer.warnings if _is_of_loop(one)),
         *(_loop_today(machine, spoken) if answer.today else []),
         *([said(answer.today.basis)] if answer.today else []),
         *map(said, further),
     ]
-    return [*shown, *_as_many(notes, rows - len(fold(shown)), spoken)]
+    more = f"terminal-more-notes-{'in-sheet' if has_sheet else 'of-run'}"
+    return [*shown, *_as_many(notes, rows - len(fold(shown)), more, spoken)]
 
 
-def _as_many(notes: Sequence[Line], room: int, spoken: Catalogue) -> Iterator[Line]:
-    """Yield the notes for which there is room, and how many there are more."""
+def _as_many(notes: Sequence[Line], room: int, more: str, spoken: Catalogue) -> Iterator[Line]:
+    """Yield the notes for which there is room, and how many there are ``more``."""
     sizes = [len(fold([note])) for note in notes]
     left_out = 0
     for place, (note, size) in enumerate(zip(notes, sizes, strict=True)):
@@ -83,7 +86,7 @@ def _as_many(notes: Sequence[Line], room: int, spoken: Catalogue) -> Iterator[Li
         else:
             left_out += 1
     if left_out:
-        yield spoken.text("terminal-more-notes", count=left_out)
+        yield spoken.text(more, count=left_out)
 
 
 def _filter(machine: Machine, best: RecommendedEntry, spoken: Catalogue) -> str:
@@ -150,15 +153,17 @@ def _limits_table(machine: Machine, answer: LimitsAnswer, spoken: Catalogue) -> 
     return shown
 
 
-def _assumed(assumed: Sequence[str], spoken: Catalogue) -> str:
-    """What nobody stated of the machine, as far as some lines hold it."""
+def _assumed(machine: Machine, assumed: Sequence[str], spoken: Catalogue, *, rows: int) -> str:
+    """What nobody stated of the machine, as far as these rows hold it; at least one of it."""
     named, more = list(assumed), 0
     while True:
         listed = "; ".join(named)
         if more:
             listed = spoken.text("assumed-more", names=listed, count=more)
+        if machine.illustrative:
+            listed = spoken.text("terminal-illustrative", names=listed)
         said = spoken.text("terminal-assumed", what=listed)
-        if len(fold([said])) <= ASSUMED_ROWS or len(named) < 2:
+        if len(fold([said])) <= rows or len(named) < 2:
             return said
         named, more = named[:-1], more + 1
 
@@ -216,7 +221,7 @@ def describe_simulation(
         *list_quantities(spoken, columns, corners),
         *_checks(machine, part.assessment, spoken),
         spoken.text("terminal-worst", places="; ".join(worst)),
-        _assumed(assumed, spoken),
+        _assumed(machine, assumed, spoken, rows=ASSUMED_ROWS),
         *(spoken.say(one) for one in part.warnings if _is_of_loop(one)),
         *warn(spoken, [one for one in part.warnings if not _is_of_loop(one)]),
     ]

@@ -54,10 +54,12 @@ terminal-limit = Grenze |{ $name }| <= { $value }: { $acts }.
 terminal-touched = { $limit } berührt bei { PLAIN($ms, digits: 4, style: "f") } ms
 terminal-more-touches = ... und { $count } weitere Berührpunkte: siehe --json
 terminal-assumed = Angenommen: { $what }.
+terminal-illustrative = { $names }; dazu die Beispielwerte des Profils
 terminal-bound-by = Begrenzt durch: { $what }.
 terminal-worst = Ungünstigste Fälle: { $places }.
 terminal-more-rules = Nicht gezeigte Faustregeln: { $count }; { $met } davon erfüllen alle Anforderungen.
-terminal-more-notes = Weitere Hinweise: { $count }, siehe Blatt.
+terminal-more-notes-in-sheet = Weitere Hinweise: { $count }, siehe Blatt.
+terminal-more-notes-of-run = Weitere Hinweise: { $count }, im Blatt, das mtcommission run schreibt.
 terminal-response = Antwort des Regelkreises
 terminal-simulated = Simuliert: a { $acceleration }, j { $jerk }, Sollwertfilter { $filter }; { $moves }.
 terminal-saturated = { $force } in der Begrenzung

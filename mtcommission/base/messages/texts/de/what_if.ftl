@@ -26,7 +26,7 @@ what-if-response = Probiert: blau, die Eckfälle dünn; empfohlen: grün{ $today
 what-if-sizes-caption = Restabweichung über der Größe der Bewegung
 what-if-sizes = Schlechteste aller Maschinen, mit den probierten Werten. Tippen oder ziehen, um eine Größe zu probieren.
 what-if-landscape-caption = Einschwingzeit über Beschleunigung und Ruckzeit
-what-if-landscape = Kräftig getönt: langsam; schraffiert: eine Anforderung ist nicht erfüllt. Tippen oder ziehen, um Werte zu probieren. { $today ->
+what-if-landscape = Kräftig getönt: langsam; schraffiert: eine Anforderung ist nicht erfüllt. Ein Feld beurteilt nur die gewählte Bewegung in der gewählten Größe, an der ungünstigsten Maschine; andere Bewegungen und Größen werden nur mit den probierten Werten beurteilt. Tippen oder ziehen, um Werte zu probieren. { $today ->
     [yes] Ringe: empfohlen (grün), heute (orange).
    *[no] Ring: empfohlen (grün).
 }

@@ -369,8 +369,8 @@ measure-how-1 = { $axis ->
 measure-how-2 = Moving { word-mass }: motor { word-force } over acceleration while the acceleration is constant, friction taken off by the mean of both directions.
 measure-how-3 = Margins and bandwidth: frequency response by the control's own measuring function, loop cut at the set { word-force }.
 measure-how-4 = { $axis ->
-    [rotary] Deviations and settling time: angle measuring device, or accelerometer at a known radius, with the limits of this sheet, counted from the end of the setpoint and the delayed setpoint.
-   *[linear] Deviations and settling time: laser interferometer or accelerometer at the tool, with the limits of this sheet, counted from the end of the setpoint and the delayed setpoint.
+    [rotary] Deviations and settling time: angle measuring device, or accelerometer at a known radius, with the limits of this sheet, against the delayed setpoint.
+   *[linear] Deviations and settling time: laser interferometer or accelerometer at the tool, with the limits of this sheet, against the delayed setpoint.
 }
 measure-how-5 = { $axis ->
     [rotary] Torques: trace of the drive (torque or current setpoint).

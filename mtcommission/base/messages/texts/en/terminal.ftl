@@ -56,12 +56,15 @@ terminal-limit = Limit |{ $name }| <= { $value }: { $acts }.
 terminal-touched = { $limit } touched at { PLAIN($ms, digits: 4, style: "f") } ms
 terminal-more-touches = ... and { $count } touch points more: see --json
 terminal-assumed = Assumed: { $what }.
+# $names: what is assumed beside it
+terminal-illustrative = { $names }; beside them the profile's illustrative values
 terminal-bound-by = Bound by: { $what }.
 # $places: each requirement with its worst corner
 terminal-worst = Worst corners: { $places }.
 # $met: how many of them meet every requirement
 terminal-more-rules = Rules of thumb not shown: { $count }; { $met } of them meet every requirement.
-terminal-more-notes = More notes: { $count }, see the sheet.
+terminal-more-notes-in-sheet = More notes: { $count }, see the sheet.
+terminal-more-notes-of-run = More notes: { $count }, in the sheet that mtcommission run writes.
 terminal-response = Response of the loop
 terminal-simulated = Simulated: a { $acceleration }, j { $jerk }, setpoint filter { $filter }; { $moves }.
 terminal-saturated = { $force } saturated

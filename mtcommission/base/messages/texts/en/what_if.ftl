@@ -26,7 +26,7 @@ what-if-response = Tried: blue, its corners thin; recommended: green{ $today ->
 what-if-sizes-caption = Residual deviation over the size of the move
 what-if-sizes = Worst of all machines, with the tried values. Tap or drag to try a size.
 what-if-landscape-caption = Settling time over acceleration and jerk time
-what-if-landscape = Strong tint: slow; hatched: a requirement is not met. Tap or drag to try values. { $today ->
+what-if-landscape = Strong tint: slow; hatched: a requirement is not met. A field judges only the chosen move at the chosen size, on its worst machine; other moves and sizes are judged only for the tried values. Tap or drag to try values. { $today ->
     [yes] Rings: recommended (green), today (orange).
    *[no] Ring: recommended (green).
 }
