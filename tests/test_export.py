@@ -34,7 +34,7 @@ from mtcommission.export.write import Export, export_record, read_text, write_bo
 from mtcommission.machine.profile.read import parse_profile, profile_text_hash
 from mtcommission.record.machine import ACCEPTED_DEFAULT, Profile
 from mtcommission.record.record import Record, build_record, load_record
-from mtcommission.record.shape import dump_json, to_entry
+from mtcommission.record.shape import dump_json, find_checksum, to_entry
 
 from .conftest import Run
 from .second_reader import ini_file, lines, simulate_file
@@ -570,10 +570,23 @@ def test_command_line_writes_a_file_and_tells_the_verdict_by_its_exit_code(
 ) -> None:
     record, out = tmp_path / "record.json", tmp_path / "axis.txt"
     record.write_text(json.dumps(linear_motor.record), "utf-8")
-    assert run("export", record, "--control", "sinumerik", "-o", out)[0] == 0
+    code, said, _ = run("export", record, "--control", "sinumerik", "-o", out)
+    assert (code, said.replace("\n", "")) == (0, f"written: {out}")
     assert "\np1462=" in out.read_text("utf-8")
     assert run("export", record, "--control", "sinumerik", "--csv", "-o", out)[0] == 0
     assert "\n,p1462,ms,," in out.read_text("utf-8")
+    missed = deepcopy(linear_motor.record)
+    missed["limits"]["recommended"]["jerk"] *= 30.0
+    missed["assessment"]["met"] = False
+    missed["checksum"] = find_checksum(missed)
+    record.write_text(json.dumps(missed), "utf-8")
+    code, said, error = run("export", record, "--control", "sinumerik", "-o", out)
+    assert code == 1
+    assert "REQUIREMENTS NOT MET: " in said.replace("\n", " ")
+    assert not error
+    code, said, error = run("export", record, "--control", "sinumerik")
+    assert (code, said) == (1, out.read_text("utf-8"))  # the text, and nothing else
+    assert "REQUIREMENTS NOT MET: " in error
     _, listed, _ = run("export", "--control", "?")  # nobody has a record yet who asks this
     assert [line.split()[0] for line in listed.splitlines()] == list(CONTROL_KEYS)
     record.write_text("{}", "utf-8")

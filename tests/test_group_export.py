@@ -129,6 +129,7 @@ def test_a_control_that_lacks_something_draws_its_own_circles(
     found = exports["klipper"]
     assert not any(one.is_same for one in found.circles)
     assert any("NOT AS IN THE RECORD" in line for line in found.header)
+    assert [one.kind for one in found.missed].count("group-export-other-circle") == 2
 
 
 @pytest.mark.parametrize("control", ["sinumerik", "twincat"])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 import typer
 
@@ -21,8 +21,11 @@ from mtcommission.cli.arguments import (
     flag,
     option,
 )
-from mtcommission.cli.language import words
-from mtcommission.cli.terminal import print_note, print_written, show_stage
+from mtcommission.cli.language import speak_of, words
+from mtcommission.cli.terminal import print_note, print_written, show, show_stage
+
+if TYPE_CHECKING:
+    from mtcommission.record.read_back import AxisRecord
 
 
 def sheet(
@@ -110,6 +113,7 @@ def export(
     key = find_control_key(control)
     require_writable(output, inputs=[record])
 
+    from mtcommission.record.read_back import read_machine
     from mtcommission.record.shape import names_group
 
     with show_stage() as progress:
@@ -120,13 +124,22 @@ def export(
 
             group = load_group(record)
             together = export_group(group, control=key, language=language, as_list=as_csv)
-            text, is_met = together.text, together.meets_requirements
+            text, is_met, missed = together.text, together.meets_requirements, together.missed
+            axis: AxisRecord = group.axes[0]
         else:
             from mtcommission.export.write import export_record
             from mtcommission.record.record import load_record
 
             loaded = load_record(record)
             alone = export_record(loaded, control=key, language=language, as_list=as_csv)
-            text, is_met = alone.text, alone.meets_requirements
+            text, is_met, axis = alone.text, alone.meets_requirements, loaded
+            missed = () if is_met else (alone.judgement,)
     write_text(output, text)
+    speak_of(read_machine(axis))
+    if output == "-":
+        for sentence in missed:
+            print_note(sentence)
+    else:
+        print_written(Path(output))
+        show((words().say(sentence), "red") for sentence in missed)
     raise typer.Exit(0 if is_met else 1)

@@ -32,7 +32,13 @@ from mtcommission.controls.syntax import LIST, Entry, Layout, type_in
 from mtcommission.controls.wording import name_control, show_value, to_ascii
 from mtcommission.export.catalogue import find_control_key
 from mtcommission.export.choose import fill_in
-from mtcommission.export.header import say_axis, say_doubts, say_notes, say_origin
+from mtcommission.export.header import (
+    say_axis,
+    say_doubts,
+    say_notes,
+    say_origin,
+    say_verdict,
+)
 from mtcommission.export.held import Held, Judged, judge_text, read_limits
 from mtcommission.export.subject import Subject, build_subject
 from mtcommission.export.write import (
@@ -100,6 +106,7 @@ class GroupExport:
     circles: tuple[CircleOfText, ...]
     line: float  # how far the tool leaves lines at most, with what the text holds [m]
     meets_requirements: bool  # of each axis, circles and lines, by what the text holds
+    missed: tuple[Message, ...]  # what the header says is missed, absent or otherwise
     text: str  # the file
 
 
@@ -167,10 +174,11 @@ def export_group(
     lacking = tuple(_lack(record, {row.key for row in rows}))
     title, names = record.axes[0].machine.name, tuple(axis.name for axis in record.axes)
     profiles = [axis.profile for axis in record.axes]
+    contours = tuple(_say_contours(circles, line, record))
     said = [
         Message("group-export-title", name=title, axes=names, control=name_control(target.key)),
         *say_origin(record.tool, record.created, profiles, title, *names),
-        *_say_contours(circles, line, record),
+        *contours,
         *_say_verdict(record),
         *_say_axes(record, target, subjects, slowed, parts),
         *_say_gaps(lacking, rows),
@@ -182,6 +190,9 @@ def export_group(
     header = say_plainly(said, words)
     off = max(line, *(one.largest for one in circles))
     is_gentle = limits.on_circles[0] <= JUST * record.limits.on_circles[0]
+    are_off = [*(not one.is_same for one in circles), line > record.tolerance]
+    missed = [said for said, is_off in zip(contours, are_off, strict=True) if is_off]
+    missed += [*_say_verdict(record), *_say_missed(record, slowed), *_say_gaps(lacking, rows)]
     return GroupExport(
         header=header,
         circles=circles,
@@ -189,6 +200,7 @@ def export_group(
         meets_requirements=all(one.is_met and not one.left_out for one in (*judged, *slowed))
         and off <= record.tolerance
         and is_gentle,
+        missed=tuple(missed),
         text=compose_text(layout, header, lines),
     )
 
@@ -421,6 +433,13 @@ def _say_axes(
     for note, names in notes.items():
         is_common = len(names) == len(record.axes)
         yield note if is_common else Message("group-export-of", name=tuple(names), said=note)
+
+
+def _say_missed(record: GroupRecord, judged: Sequence[Judged]) -> Iterator[Message]:
+    """The verdict on each axis that the text does not serve."""
+    for axis, found in zip(record.axes, judged, strict=True):
+        if not found.is_met or found.left_out:
+            yield Message("group-export-of", name=axis.name, said=say_verdict(found))
 
 
 def _say_gaps(lacking: tuple[Message, ...], rows: Sequence[Row]) -> Iterator[Message]:

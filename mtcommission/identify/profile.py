@@ -16,7 +16,7 @@ from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.base.units.quantities import LINEAR, ROTARY, AxisUnits
 from mtcommission.identify.identified import Identified
-from mtcommission.identify.states import FARTHEST, states_differ
+from mtcommission.identify.states import FARTHEST, is_assumed, states_differ
 from mtcommission.machine.identified import (
     LONGEST_FILE,
     MOST_FILES,
@@ -216,6 +216,7 @@ def _merge(document: Any, found: Identified, how: Writing, assumed: Sequence[str
         if share < spread:
             _set(requirements, key, f"{100 * spread:.4g} %", how.words(part.rotary).say(why))
             keys = [one for one in keys if one != f"requirements.{key}"]
+            keys += [f"requirements.{key}"] if is_assumed(why, len(part.states)) else []
     machine = document.setdefault("machine", tomlkit.table())
     machine.pop("assumed", None)
     if keys:

@@ -139,6 +139,15 @@ def find_spread(states: Sequence[MeasuredStateEntry], modes: Sequence[MeasuredMo
     return SpreadEntry(**spreads, because=because)
 
 
+def is_assumed(why: Message, states: int) -> bool:
+    """Return whether a spread, by what ``find_spread`` says of it, came from no measurement.
+
+    That is the floor where one state alone was measured, or a damping that hardly shows.
+    """
+    floors = ("identify-frequency-floor", "identify-damping-floor")
+    return why.kind == "identify-damping-unknown" or (states <= 1 and why.kind in floors)
+
+
 def states_differ(states: Sequence[MeasuredStateEntry], modes: Sequence[MeasuredMode]) -> bool:
     """Return whether a mode or the mass differs by more than its intervals: each is judged then."""
     if not 1 < len(states) <= MOST_STATES:
