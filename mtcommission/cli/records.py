@@ -141,5 +141,5 @@ def export(
             print_note(sentence)
     else:
         print_written(Path(output))
-        show((words().say(sentence), "red") for sentence in missed)
+        show((words().say(sentence), "yellow" if is_met else "red") for sentence in missed)
     raise typer.Exit(0 if is_met else 1)
