@@ -13,6 +13,7 @@ from scipy.interpolate import CubicSpline
 
 from mtcommission.base.errors import InputError
 from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message, to_json
 from mtcommission.cli import main
 from mtcommission.commission.commission import commission
 from mtcommission.identify.measurement import Given
@@ -476,7 +477,16 @@ def test_the_command_and_the_sheet_say_the_same(tmp_path: Path, capsys, monkeypa
     beam = next(one for one in entry["checks"] if one["name"] == "beam: frequency")
     assert beam["verdict"] == "does not hold"
     new = entry["refined"]["beam.frequency"]["new"]
-    assert f"{new:.4g}" in sheet.split('id="measurements"')[1]
+    measurements = sheet.split('id="measurements"')[1]
+    assert f"{new:.4g}" in measurements
+    assert "Recorded moves, verify: Does not hold." in measurements
+    # What verify could not tell stands on the sheet, too.
+    partly = Message("verify-verdict-except", what=(Message("verify-damping-ratio"),))
+    held = {**entry, "verdict": "holds", "headline": to_json(partly)}
+    (tmp_path / "held.json").write_text(json.dumps(held), encoding="utf-8")
+    run("sheet", "record.json", "--verified", "held.json", "-o", "sheet", "--no-pdf")
+    sheet = (tmp_path / "sheet" / "sheet.html").read_text(encoding="utf-8")
+    assert f"Recorded moves, verify: {Catalogue().say(partly)}." in sheet
     capsys.readouterr()
     other = {**entry, "record": "0" * 64}
     (tmp_path / "other.json").write_text(json.dumps(other), encoding="utf-8")

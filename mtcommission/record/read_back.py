@@ -139,6 +139,7 @@ class Verified:
     """The verdict over all, and each measured value by its name."""
 
     verdict: str
+    headline: Message  # the verdict in words, with what cannot be told
     values: Mapping[str, Measured]
 
 
@@ -156,6 +157,7 @@ class _Verdict:
     record: str
     checks: list[Measured]
     refined: dict[str, _Refined]
+    headline: Message | None = None  # None: written before there was one
 
 
 def load_verdict(path: Path, record: Record) -> Verified:
@@ -185,4 +187,5 @@ def load_verdict(path: Path, record: Record) -> Verified:
             uncertainty=2.0 * one.sigma,
             verdict=check.verdict if check else "",
         )
-    return Verified(verdict=found.verdict, values=values)
+    plain = Message(f"verify-verdict-{found.verdict.replace(' ', '-')}")
+    return Verified(verdict=found.verdict, headline=found.headline or plain, values=values)

@@ -100,7 +100,7 @@ def fourth_page(
     yield _table(rows, verified, words)
     if verified:
         tone = Tone.PLAIN if verified.verdict == "holds" else Tone.WARNING
-        said = text("measure-verdict", verdict=_say_verdict(verified.verdict, words))
+        said = text("measure-verdict", verdict=verified.headline)
         yield Paragraph(text=said, tone=tone)
     yield Form(fields=(text("measure-field-1"), text("measure-field-2")))
     yield Subheading(text=text("signature-heading"))

@@ -123,6 +123,9 @@ def list_differences(told: Report, words: Catalogue) -> list[Block]:
         old, new = (words.format.axis(value, "m", digits=3) for value in (fed.before, fed.after))
         brings = say("verify-feedforward-brings", moves=fed.tested, before=old, after=new)
         blocks.append(note(brings))
+        keys = {one.key for one in (*refined.parameters, *fed.values)}
+        if keys >= {"mass", "feedforward_mass"}:
+            blocks.append(note(say("verify-two-masses")))
     if told.limits is not None:
         rows = {"old": told.limits.old, "new": told.limits.new}
         shown = [(Message(f"verify-head-{name}"), one) for name, one in rows.items() if one]
@@ -177,6 +180,7 @@ def verification_entry(told: Report) -> Entry:
     setpoint = ("velocity", "acceleration", "jerk")
     return {
         "verdict": found.verdict.value,
+        "headline": to_json(found.headline),
         "record": found.record.checksum,
         "traces": [{"file": one.file, "sha256": one.sha256} for one in found.traces],
         "setpoint": {

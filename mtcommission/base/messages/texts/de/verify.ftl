@@ -132,6 +132,10 @@ verify-parameter-feedforward-mass = { $axis ->
 }
 verify-parameter-jerk-feedforward = Vorsteuerung des Rucks
 verify-parameter-friction-feedforward = Vorsteuerung gegen Coulombsche Reibung
+verify-two-masses = { $axis ->
+    [rotary] Das vorgesteuerte Trägheitsmoment ist in die Steuerung einzutragen ({ word-force } je Beschleunigung); das bewegte Trägheitsmoment ist das der Mechanik und gehört ins Profil, wohin --refine es schreibt.
+   *[linear] Die vorgesteuerte Masse ist in die Steuerung einzutragen ({ word-force } je Beschleunigung); die bewegte Masse ist die der Mechanik und gehört ins Profil, wohin --refine sie schreibt.
+}
 verify-feedforward-brings = { $moves ->
     [0] Mit diesen Werten bliebe der Lagegeber { $after } statt { $before } vom verzögerten Sollwert (Effektivwert; an derselben Bewegung, nur eine ist aufgezeichnet).
    *[other] Mit dem, was die erste Hälfte der Bewegungen sagt, bliebe der Lagegeber in der zweiten { $after } statt { $before } vom verzögerten Sollwert (Effektivwert).

@@ -129,6 +129,10 @@ verify-parameter-feedforward-mass = { $axis ->
 }
 verify-parameter-jerk-feedforward = feed-forward of the jerk
 verify-parameter-friction-feedforward = feed-forward against Coulomb friction
+verify-two-masses = { $axis ->
+    [rotary] The inertia of the feed-forward is the one to enter in the control ({ word-force } per acceleration); the moving inertia is that of the mechanics and belongs in the profile, where --refine writes it.
+   *[linear] The mass of the feed-forward is the one to enter in the control ({ word-force } per acceleration); the moving mass is that of the mechanics and belongs in the profile, where --refine writes it.
+}
 verify-feedforward-brings = { $moves ->
     [0] With these values the encoder would stay { $after } from the delayed setpoint instead of { $before } (RMS; of the same move, one alone was recorded).
    *[other] With what the first half of the moves says, the encoder would stay { $after } from the delayed setpoint in the second half instead of { $before } (RMS).
