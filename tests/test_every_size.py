@@ -12,6 +12,7 @@ from mtcommission.controls.kind import TWO_AVERAGES
 from mtcommission.limits.bench import build_bench
 from mtcommission.limits.every_size import COARSE, SizeCheck, judge_sizes
 from mtcommission.limits.explore import explore
+from mtcommission.limits.judge import simulate_moves
 from mtcommission.limits.requirements import RESIDUAL_DEVIATION, SET_FORCE
 from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuned import TunedLoop
@@ -19,6 +20,7 @@ from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import StateFeedback
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
+from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint
@@ -105,6 +107,25 @@ def test_no_size_leaves_more_than_is_bounded(name: str, filter_name: str) -> Non
     # The worst size is named, and is that bad.
     assert residual_of(machine, tuned, limits, found.size) == pytest.approx(found.value, rel=5e-3)
     assert 0.0 < found.size <= listed
+
+
+@pytest.mark.parametrize(
+    ("name", "average", "jerk_time"), [("honing-z", 0.032, 0.05), ("ball-screw", 0.0, 0.03)]
+)
+def test_ripple_within_a_position_cycle_counts_in_the_largest_force(
+    name: str, average: float, jerk_time: float
+) -> None:
+    """Limits that use all of the force were refused by the simulation: its top was missed."""
+    machine = read_shipped(name).machine
+    machine = replace(machine, requirements=replace(machine.requirements, every_size=False))
+    tuned, heaviest = tune_loop(machine), moving_mass(machine) + machine.requirements.payload[1]
+    a = 0.8 * machine.drive.motion_force / heaviest
+    item = moving_average(average) if average else None
+    limits = MotionLimits(acceleration=a, jerk=a / jerk_time, setpoint_filter=item)
+    found = check_of(judge_sizes(machine, tuned, limits), SET_FORCE)
+    moves = simulate_moves(machine, tuned, limits)
+    stepped = max(response.max_force for move in moves for response in move.responses)
+    assert found.value == pytest.approx(stepped, rel=1e-6)
 
 
 def test_force_is_the_largest_of_the_sizes() -> None:

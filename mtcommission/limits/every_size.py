@@ -23,10 +23,17 @@ from math import ceil, inf, isfinite, nan, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.limits.requirements import COARSELY, Mean, Requirement, Swings, sort_requirements
+from mtcommission.limits.requirements import Mean, Requirement, Swings, sort_requirements
 from mtcommission.loop.disturbance import EncoderNoise, encoder_noise, worst_noise
 from mtcommission.loop.poles import LoopPoles, find_poles
-from mtcommission.loop.respond import Signal, extremes, free_motion, lay_grid, set_in_motion
+from mtcommission.loop.respond import (
+    Signal,
+    every_part,
+    extremes,
+    free_motion,
+    lay_grid,
+    set_in_motion,
+)
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Corner, Machine
 from mtcommission.machine.moves import Move, Positioning
@@ -207,7 +214,7 @@ class _Sizes:
     def worst_during(self, place: int, swings: Swings) -> list[SizeCheck]:
         """Return the worst of swings looked at together, of some sizes."""
         steps, every = self._some(swings.moves[place]), np.arange(self.poles.cycles)
-        found, grid, checks = swings.largest(self.poles, steps), lay_grid(self.poles, COARSELY), []
+        found, grid, checks = swings.largest(self.poles, steps), every_part(self.poles, SAMPLES), []
         for k, requirement in enumerate(swings.requirements):
             worst, row = int(found[:, k].argmax()), swings.rows[k : k + 1]
             alone = set_in_motion(self.poles, steps.only([worst]))

@@ -234,6 +234,16 @@ def lay_grid(poles: LoopPoles, samples: float) -> Grid:
     return Grid(cycle=cycle, part=part, faded=poles.power(cycle))
 
 
+def every_part(poles: LoopPoles, samples: float) -> Grid:
+    """Return the position cycles of that grid with each of their velocity cycles.
+
+    A force has ripple within a position cycle, whose top a sparser grid misses.
+    """
+    cycles = np.unique(lay_grid(poles, samples).cycle)
+    cycle, part = np.repeat(cycles, poles.cycles), np.tile(np.arange(poles.cycles), len(cycles))
+    return Grid(cycle=cycle, part=part, faded=poles.power(cycle))
+
+
 @once_for_rows
 def _shapes_on(poles: LoopPoles, rows: Array, grid: Grid) -> Array:
     """Signals on a grid by Re and Im of modal states, rows last, see ``_by_parts``."""
