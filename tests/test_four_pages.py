@@ -6,6 +6,7 @@ can read.
 
 from __future__ import annotations
 
+import re
 from itertools import pairwise
 
 import numpy as np
@@ -72,6 +73,8 @@ def expect_four_full_pages(pdf: bytes) -> None:
     assert len(pages) == 4
     used = [fill(page) for page in pages]
     assert min(used) >= FULL, used
+    broken = re.findall(r"\d\u202f\S+/\r?\n.*", pages[0].get_textpage().get_text_range())
+    assert not broken  # a number from its unit, or within it
 
 
 @pytest.mark.parametrize("language", LANGUAGES)

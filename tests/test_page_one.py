@@ -168,6 +168,17 @@ def test_every_row_is_the_export_s(text: str, kind: str) -> None:
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
+@pytest.mark.parametrize(("kind", "has_doubt"), [("sinumerik", True), ("klipper", False)])
+def test_a_mark_of_doubt_is_explained_where_it_stands(
+    kind: str, has_doubt: bool, language: str
+) -> None:
+    rows = _rows(_record(SCREW, kind), language).values()
+    assert any("(?)" in row[-1] for row in rows) == has_doubt
+    _, entries = _page_one(_record(SCREW, kind), language)
+    assert ("(?)" in entries.columns[-1].head) == has_doubt
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
 def test_machining_modes_stand_on_page_1_as_in_the_export(language: str) -> None:
     """Three columns of limits; a mode without limits is said where the verdict is."""
     record = _record(SCREW, "sinumerik")

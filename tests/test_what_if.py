@@ -456,7 +456,7 @@ def test_what_is_tried_can_be_simulated() -> None:
     )
     assert [size_of(move) for move in tried.machine.moves] == [0.01]
     assert tried.place == Corner(payload=20.0, frequency_factor=0.95)
-    unchanged = read_tried(machine, setpoint_filter="", move=0, size="", payload="", error="")
+    unchanged = read_tried(machine, setpoint_filter="", move=None, size="", payload="", error="")
     assert (unchanged.machine, unchanged.place) == (machine, None)
 
 
@@ -470,6 +470,7 @@ def test_what_is_tried_can_be_simulated() -> None:
         ),
         ({"setpoint_filter": "moving_average:99s"}, "--filter: "),
         ({"move": 7}, "--move: got 7, the profile has moves 1 to"),
+        ({"move": 0}, "--move: got 0, the profile has moves 1 to"),
         ({"size": "3kg"}, '--size: got "3kg", which is a mass'),
         ({"payload": "-3"}, "--payload: got -3, must be 0 to 1000000"),
         ({"error": "80%"}, "--frequency-error: got 80%, must be -0.5 to 0.5"),
@@ -479,7 +480,7 @@ def test_what_cannot_be_tried_is_said(changed: dict[str, Any], said: str) -> Non
     machine = read_shipped("modal-two-modes").machine
     nothing: dict[str, Any] = {
         "setpoint_filter": "",
-        "move": 0,
+        "move": None,
         "size": "",
         "payload": "",
         "error": "",

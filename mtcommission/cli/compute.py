@@ -273,12 +273,8 @@ def simulate(
         "Length of a moving average, e.g. 20ms; a shaper's frequency and damping ratio, "
         "e.g. zvd:40Hz:0.05; none.",
     ),
-    move: int = option(
-        "--move",
-        "N",
-        "Only this one of the profile's moves, counted from 1; otherwise all.",
-        0,
-        show_default=False,
+    move: int | None = option(
+        "--move", "N", "Only this one of the profile's moves, counted from 1; otherwise all.", None
     ),
     size: str = option("--size", "S", "Its distance or velocity step."),
     payload: str = option("--payload", "M", "Of one machine more, e.g. 50kg."),
@@ -347,7 +343,7 @@ def simulate(
         write_text(csv_file, response_csv(plant, moves[0]))
     if "-" not in (json_file, csv_file):
         assumed = list_assumed(tried.machine, plant, source.text, words())
-        first = max(move, 1)
+        first = move or 1
         show(describe_simulation(tried.machine, chosen, part, assumed, words(), first=first))
     raise typer.Exit(0 if part.assessment.met else 1)
 

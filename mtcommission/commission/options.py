@@ -112,10 +112,10 @@ class Options:
             words = Message("either", first=named[:-1], last=named[-1])
             self.refuse(option, Message("got-other-word", got=repr(text), words=words, hint=None))
 
-    def move(self, machine: Machine, number: int, *, least: int = 1) -> None:
+    def move(self, machine: Machine, number: int) -> None:
         """Note a fault where the profile has no move of this number, counted from 1."""
         count = len(machine.moves)
-        if not least <= number <= count:
+        if not 1 <= number <= count:
             self.refuse("--move", Message("option-no-such-move", got=number, count=count))
 
     def bound(self, plant: Plant, text: str) -> Bound:
@@ -351,9 +351,9 @@ class Tried:
 
 
 def read_tried(
-    machine: Machine, *, setpoint_filter: str, move: int, size: str, payload: str, error: str
+    machine: Machine, *, setpoint_filter: str, move: int | None, size: str, payload: str, error: str
 ) -> Tried:
-    """Return what the options of ``simulate`` change; "" and 0 change nothing.
+    """Return what the options of ``simulate`` change; "" and None change nothing.
 
     ``setpoint_filter`` is ``none``, or kind and numbers: ``moving_average:20ms``,
     ``zvd:40Hz:0.05``; ``move`` the only one to be simulated, ``size`` its velocity step or
@@ -365,9 +365,11 @@ def read_tried(
         if setpoint_filter:
             item = _read_filter(machine, setpoint_filter, options)
             control = replace(control, setpoint_filter=item, seeks_setpoint_filter=False)
-        options.move(machine, move, least=0)
-        if (move or size) and move <= len(moves):
-            moves = (moves[max(move - 1, 0)],)
+        if move is not None:
+            options.move(machine, move)
+        first = 1 if move is None else move
+        if (move is not None or size) and 1 <= first <= len(moves):
+            moves = (moves[first - 1],)
         if size:
             unit = axis.velocity if isinstance(moves[0], VelocityStep) else axis.length
             moves = (resize(moves[0], options.positive("--size", size, unit)),)

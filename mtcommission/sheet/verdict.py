@@ -13,6 +13,7 @@ from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message, join_by_and, parts_of
 from mtcommission.base.messages.quantities import pretty_unit
 from mtcommission.controls.control import is_neutral
+from mtcommission.controls.syntax import DOUBT
 from mtcommission.controls.wording import name_control
 from mtcommission.limits.requirements import REGISTER, Requirement, read_requirement
 from mtcommission.machine.checks import (
@@ -252,7 +253,7 @@ def _warnings(record: Record, words: Catalogue) -> tuple[Paragraph, ...]:
 
 def _checks(record: Record, words: Catalogue) -> Table:
     name = Quantity("check", lambda one: capitalised(say_requirement(one.name, words)), width=1.8)
-    columns = (name, *check_columns(words), Quantity("where", "where", width=4.7))
+    columns = (name, *check_columns(words), Quantity("where", "where", width=4.5))
     checks = record.assessment.checks
     return table(words, "checks-caption", columns, checks, strong=lambda check: not check.met)
 
@@ -264,7 +265,7 @@ def check_columns(words: Catalogue) -> tuple[Quantity, ...]:
         return check.unit
 
     return (
-        Quantity("found", "value", unit_of, "not-settled", width=1.1),
+        Quantity("found", "value", unit_of, "not-settled", width=1.3),
         Quantity("permitted", "limit", unit_of, width=1.3),
         Quantity("share-used", lambda check: share_used(check, words), "%", width=1.05),
         Quantity("verdict", lambda check: verdict_on(check, words), width=1.25),
@@ -307,10 +308,12 @@ def _entries(record: Record, typed: Export | Message, words: Catalogue) -> Block
         return Paragraph(text=words.text("entry-none", why=typed), tone=Tone.WARNING)
     longest = max(len(entry_name(entry, words)) for entry in typed.entries)
     named = min(max(NAME_WIDTH * longest, LEAST_NAME), MOST_NAME)
+    is_doubted = any(DOUBT in _meaning(entry, words) for entry in typed.entries)
+    meaning = "meaning-with-doubt" if is_doubted else "meaning"
     columns = [
         Quantity("parameter", lambda entry: entry_name(entry, words), width=named),
         Quantity("new-value", lambda entry: show_typed(entry.value, entry, words), "", width=1.45),
-        Quantity("meaning", lambda entry: _meaning(entry, words), width=7.45 - named),
+        Quantity(meaning, lambda entry: _meaning(entry, words), width=7.45 - named),
     ]
     if any(entry.old for entry in typed.entries):
         old = Quantity(
@@ -349,7 +352,7 @@ def _meaning(entry: Entry, words: Catalogue) -> str:
     said = words.say(entry.row.text) if entry.row.text else ""
     if entry.row.unit.startswith("rad/"):  # typed so, while the sheet counts in degrees
         said = f"{said}, {words.format.quantity(float(entry.value), entry.row.unit)}"
-    return said if entry.row.is_verified else f"{said} (?)".strip()
+    return said if entry.row.is_verified else f"{said} {DOUBT}".strip()
 
 
 def move_title(move: dict[str, float], number: int, words: Catalogue) -> str:

@@ -194,6 +194,7 @@ rule-symbol-x = Länge des Mittelwerts in Perioden einer Eigenform, f T_F
 rule-symbol-i = Imaginäre Einheit (als Index: Nummer der Eigenform)
 symbol = Zeichen
 meaning = Bedeutung
+meaning-with-doubt = { meaning }; (?): nicht nachgelesen
 rule-step = Schritt
 rule-how = Formel
 rules-heading = Vergleich mit Faustregeln

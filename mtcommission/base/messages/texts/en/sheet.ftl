@@ -182,6 +182,7 @@ rule-symbol-x = Length of the average in periods of a mode, f T_F
 rule-symbol-i = Imaginary unit (as an index: number of the mode)
 symbol = Symbol
 meaning = Meaning
+meaning-with-doubt = { meaning }; (?): not verified
 rule-step = Step
 rule-how = Formula
 rules-heading = Comparison with rules of thumb
