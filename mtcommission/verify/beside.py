@@ -53,6 +53,7 @@ class Beside:
     width: int  # samples that were smoothed over
     noise: float  # what noise and resolution may add to a largest value of ``deviation``
     slack: float  # what they may hide of it
+    grain: float  # resolution of what was recorded
 
     @property
     def is_position(self) -> bool:
@@ -114,7 +115,12 @@ def lay_out(rebuilt: Rebuilt, entered: MotionLimits, trace: Trace, motion: Motio
             continue
         after = one.after(rest)
         modes = find_modes(
-            rebuilt, one.t[after] - rest, one.deviation[after], one.predicted[0][after], one.noise
+            rebuilt,
+            one.t[after] - rest,
+            one.deviation[after],
+            one.predicted[0][after],
+            noise=one.noise,
+            grain=one.grain,
         )
         if one.role is Role.ACCELERATION:
             modes = tuple(mode and _as_position(mode) for mode in modes)
@@ -217,6 +223,7 @@ def _lay(
         width=width,
         noise=sigmas * sigma + 0.5 * grain,
         slack=LEAST_SIGMAS * sigma + 0.5 * grain,
+        grain=grain,
     )
 
 
@@ -301,7 +308,7 @@ RINGS = 0.2
 
 
 def find_modes(
-    rebuilt: Rebuilt, t: Array, deviation: Array, predicted: Array, noise: float
+    rebuilt: Rebuilt, t: Array, deviation: Array, predicted: Array, *, noise: float, grain: float
 ) -> tuple[FreeMode | None, ...]:
     """Return the vibration that belongs to each mode of the plant; None: not seen.
 
@@ -319,8 +326,9 @@ def find_modes(
     own = {number: complex(rebuilt.poles[0, number]) for number in modes}
     found = _fit(t, measured, fixed, own, noise=noise / size)
     # What the same fit makes of the prediction, whose poles are known, is its error on such a
-    # dwell: poles that were left out, a tail that ends too early.
-    known = _fit(t, expected, fixed, own, noise=inf)
+    # dwell: poles that were left out, a tail that ends too early, digits that are lost.
+    written = np.rint(expected * size / grain) * grain / size if grain else expected
+    known = _fit(t, written, fixed, own, noise=inf)
     return tuple(
         _with_bias(found[number], known[number], own[number], size)
         if number in found and number in known
