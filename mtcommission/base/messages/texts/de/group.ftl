@@ -67,7 +67,7 @@ group-corner-told = Ecken: { $kind ->
     [own] { $name } { LENGTH($value) } (eigenes Filter der Steuerung, nicht simuliert).
    *[step] { $name } Geschwindigkeitssprung einer Achse { FEED($value) }.
 }
-group-corner-no-arc = Ecken: kein Bogen innerhalb der Toleranz ist schneller, als mit den Geschwindigkeiten über dem Winkel sofort zu drehen.
+group-corner-no-arc = Ecken: kein Bogen innerhalb der Toleranz ist schneller als ein sofortiger Richtungswechsel mit den Geschwindigkeiten über dem Winkel.
 group-corner-no-value = Ecken: mit den Geschwindigkeiten über dem Winkel fahren; ein Wert, der diese einhält, ist für diese Steuerung nicht bekannt.
 group-tolerance = Konturtoleranz { LENGTH($tolerance) } bis { FEED($feed) }
 group-axis = Achse
@@ -99,7 +99,7 @@ group-acceleration-without-place = Bahnbeschleunigung { SI($value, "ACCELERATION
 group-jerk-without-place = Bahnruck { SI($value, "JERK") }
 group-wait-of = { $name } { TIME($wait) }
 group-export-same-name = { $control } hat für die Achsen { $names } nur einen Namen: ihnen in machine.axis eigene Buchstaben geben, die Gruppe erneut rechnen oder --control generic verwenden
-group-export-no-corner = KEIN WERT FÜR ECKEN: sie mit den Geschwindigkeiten über dem Winkel aus dem Protokoll durchfahren. Ein Wert gehört zu der Steuerung, für die die Gruppe gerechnet ist; es gibt keinen, wo innerhalb der Toleranz kein Verrunden schneller ist als sofortiges Abbiegen.
+group-export-no-corner = KEIN WERT FÜR ECKEN: sie mit den Geschwindigkeiten über dem Winkel aus der group.json durchfahren (als Vorschub vor der Ecke programmieren oder dort anhalten). Ein Wert gehört zu der Steuerung, für die die Gruppe gerechnet ist; es gibt keinen, wo innerhalb der Toleranz kein Verrunden schneller ist als ein sofortiger Richtungswechsel.
 
 # Aufgezeichnete Kreise. $name, $first, $second, $later, $sooner: Achsen; $number: des Kreises
 circle = Kreis { $number }

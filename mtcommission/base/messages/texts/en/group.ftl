@@ -99,7 +99,7 @@ group-acceleration-without-place = path acceleration { SI($value, "ACCELERATION"
 group-jerk-without-place = path jerk { SI($value, "JERK") }
 group-wait-of = { $name } { TIME($wait) }
 group-export-same-name = { $control } has one name for the axes { $names }: give them letters of their own in machine.axis, compute the group again, or use --control generic
-group-export-no-corner = NO VALUE FOR CORNERS: pass them at the speeds over the angle of the record. A value belongs to the control that the group was computed for; there is none where no rounding within the tolerance is faster than turning at once.
+group-export-no-corner = NO VALUE FOR CORNERS: pass them at the speeds over the angle of the record (program them as feed before the corner, or stop there). A value belongs to the control that the group was computed for; there is none where no rounding within the tolerance is faster than turning at once.
 
 # Recorded circles. $name, $first, $second, $later, $sooner: axes; $number: of the circle
 circle = Circle { $number }
