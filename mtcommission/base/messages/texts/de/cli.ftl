@@ -55,7 +55,7 @@ stage-response = Zeitverlauf
 simulated-ramp-of-a-cycle = Die Rampe a/j = { TIME($ramp, digits: 3) } ist kürzer als der Lagetakt, in dem eine Steuerung ihren Sollwert sendet: simuliert mit einer Rampe von einem Takt, { TIME($cycle, digits: 3) }.
 option-jerk-needed = die Steuerung begrenzt den Ruck, der zu prüfende Grenzwert ist also nötig, z. B. --jerk 100m/s^3
 simulated-without-filter = Ohne Sollwertfilter simuliert: Das Profil lässt ihn offen (auto). Mit control.setpoint_filter angeben, hinter welchem beurteilt werden soll.
-simulated-with-loop = Regelkreis, Offenes eingestellt: Kv { RATE($Kv) }, Kp { DAMPING($Kp) }, Tn { TIME($Tn) }.
+simulated-with-loop = Regelkreis, Fehlendes eingestellt: Kv { RATE($Kv) }, Kp { DAMPING($Kp) }, Tn { TIME($Tn) }.
 simulated-with-filters = Filter im { word-force-before }sollwert: { $filters }.
 simulated-without-loop = Gesteuerte Achse: es gibt keinen Regelkreis einzustellen.
 

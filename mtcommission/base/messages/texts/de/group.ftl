@@ -167,16 +167,16 @@ group-circle-figures = { $feed }: F { $least } bis { $largest }, G { $circular }
 group-feeds-caption = Größter Vorschub auf Kreisen innerhalb { LENGTH($tolerance) }
 group-feed-of-circle = Vorschub
 group-corners-caption = Geschwindigkeit an Ecken (ungebremst: bei { FEED($feed) })
-group-corner-speed = Tempo
+group-corner-speed = Vorschub
 group-not-slowed = Ungebremst
 group-measure-caption = Zu messen: Kreis von { LENGTH($radius) } Radius, gegen den Uhrzeigersinn, volle Umläufe; Toleranz { LENGTH($tolerance) }
 group-measured-largest = Radialabweichung Fmax
 group-measured-least = Radialabweichung Fmin
 group-measured-circular = Kreisformabweichung G
-group-worst-radius = Fehler des mittleren Radius, ohne Reibung, ungünstigst
-group-worst-form = Größter − kleinster Radius, ohne Reibung, ungünstigst
+group-worst-radius = Fehler des mittleren Radius, ohne Reibung, ungünstigster Eckfall
+group-worst-form = Größter − kleinster Radius, ohne Reibung, ungünstigster Eckfall
 group-measure-centre = F und G nach ISO 230-4, nach kleinsten Quadraten zentriert; berechnet für die nominelle Maschine, mit Umkehrspitzen, ohne Geometrie (Rechtwinkligkeit, Steigungs- und Geradheitsfehler kommen hinzu).
-group-measure-turn = Im Uhrzeigersinn (G2) liegt eine Ellipse aus ungleichen Verzögerungen unter der anderen Diagonale; eine, die bleibt, ist Rechtwinkligkeit.
+group-measure-turn = Im Uhrzeigersinn (G2) liegt eine Ellipse aus ungleichen Verzögerungen unter der anderen Diagonale; eine, die bleibt, ist ein Rechtwinkligkeitsfehler.
 group-measure-peaks = Spitzen stehen hinter der Umkehr, wo die Geschwindigkeit einer Achse ihr Vorzeichen wechselt: rechts und links die von { $first }, oben und unten die von { $second }.
 
 # Die interaktive Seite.

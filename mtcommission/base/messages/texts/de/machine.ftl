@@ -54,7 +54,7 @@ assumed-acceleration-at = { ACCELERATION($acceleration) } bei jeder Geschwindigk
 neglected-steps = ungeregelte Schritte (statt des Motors eine steife Lageregelung)
 neglected-force-over-speed = { $axis ->
     [rotary] mit der Drehzahl fallendes Drehmoment ({ word-max-force } gilt für die höchste)
-   *[linear] mit dem Tempo fallende { word-force } ({ word-max-force } gilt für das höchste)
+   *[linear] mit der Geschwindigkeit fallende { word-force } ({ word-max-force } gilt für die höchste)
 }
 neglected-heat = Erwärmung des Motors (Dauer{ word-force-behind } angeben)
 neglected-friction = Reibung und Umkehrspiel (eigene Fehler im Stillstand)

@@ -64,7 +64,7 @@ verdict-missed = Anforderungen so eingegeben NICHT erfüllt
 verdict-not-met = Anforderungen NICHT erfüllt
 values-bound-by = Begrenzt durch: { $bound }
 # $data: their names; another-gives: $change and what it would $given
-assumed-binds = Das Begrenzende beruht auf einem angenommenen Wert ({ $data })
+assumed-binds = Was begrenzt, beruht auf einem angenommenen Wert ({ $data })
 another-gives = . { $change }: { $given }.
 another-unknown = : ihn angeben.
 obstacle = Begrenzende Anforderung: { $obstacle }
