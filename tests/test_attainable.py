@@ -6,11 +6,13 @@ from dataclasses import replace
 
 import pytest
 
+from mtcommission.commission.recommend import recommend
 from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.judge import evaluate
 from mtcommission.limits.requirements import RESIDUAL_DEVIATION, SETTLING_TIME, peak_of
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.machine.readers import SignalValue
 from mtcommission.machine.requirements import Modes
 from mtcommission.study.attainable import (
@@ -124,6 +126,14 @@ def test_a_machining_mode_with_a_wider_band_settles_no_later_and_keeps_its_own()
         own = RESIDUAL_DEVIATION.with_bound(machine, mode.band)
         assert evaluate(own, tuned, mode.candidate.limits).assessment.keeps_reserve
         assert mode.candidate.limits.setpoint_filter == choice.limits.setpoint_filter
+
+
+def test_roughing_has_ramps_far_shorter_than_the_recommended_ones_where_these_serve() -> None:
+    """A search that looks too near told roughing to go as slowly as everything else."""
+    found = recommend(read_shipped("ball-screw").machine)
+    *_, speed = find_limits_by_mode(found.machine, found.loop.tuned, found.choice)
+    assert speed.candidate.settling_time < 0.985 * found.choice.candidate.settling_time
+    assert speed.candidate.limits.jerk_time < 0.3 * found.choice.limits.jerk_time
 
 
 def test_no_worse_than_the_recommendation_itself() -> None:

@@ -114,12 +114,12 @@ def explore(
         if is_free:
             jerk_times = np.geomspace(SHORTEST, LONGEST, JERK_TIMES).tolist()
     else:
-        # A first look goes no further: it looks at other filters and far ramps at once.
-        own, factors = near.setpoint_filter, NEAR_TIMES[1:-1] if refined else NEAR_TIMES
+        # A first look goes no further: it looks at other filters at once.
+        own = near.setpoint_filter
         about = [] if refined else neighbours(control, own, NEARBY)
         items = list(dict.fromkeys([own, *about, *beside]))
         if is_free:
-            times = [max(near.jerk_time * factor, SHORTEST) for factor in factors]
+            times = [max(near.jerk_time * factor, SHORTEST) for factor in NEAR_TIMES]
             jerk_times = list(dict.fromkeys(times))
     begins = explorer.first_look([(item, t) for item in items for t in jerk_times], latest)
     # One after the other: what was refined before decides what is worth it.
