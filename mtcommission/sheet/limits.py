@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
-from mtcommission.machine.checks import say_jerk
-from mtcommission.record.limits import Alternative, ModeLimitsEntry
+from mtcommission.machine.checks import say_filter, say_jerk
+from mtcommission.record.limits import Alternative, LimitsPart, ListedEntry, ModeLimitsEntry
 from mtcommission.record.machine import ModeEntry
 from mtcommission.record.shape import Words
 from mtcommission.sheet.document import (
@@ -81,10 +81,11 @@ def other_limits(record: Record, words: Catalogue) -> Iterator[Block]:
     text, part = words.text, record.limits
     others = [*part.alternatives, *part.rules]
     serving = [item for item in others if item.meets_requirements or is_of_calibration(item)]
+    listed = part.listed_only
     named: list[tuple[str, object]] = [
         *([(text("today"), part.today)] if part.today else []),
         (text("recommended"), part.recommended),
-        *([(text("listed-short"), part.listed_only)] if part.listed_only else []),
+        *([(_listed_name(listed, part, words), listed)] if listed else []),
         *((words.say(item.name), item) for item in serving),
     ]
     name = Quantity("limits-name", lambda it: it[0], width=2.3)
@@ -104,6 +105,14 @@ def other_limits(record: Record, words: Catalogue) -> Iterator[Block]:
     missed = len(others) - len(serving)
     if missed:
         yield note(text("limits-missed", count=missed))
+
+
+def _listed_name(listed: ListedEntry, part: LimitsPart, words: Catalogue) -> str:
+    """What limits for the listed sizes alone are called, with their filter where it is another."""
+    own, name = listed.setpoint_filter, words.text("listed-short")
+    if own == part.recommended.setpoint_filter:
+        return name
+    return f"{name} ({words.text('setpoint-filter')}: {say_filter(own, words)})"
 
 
 def limits_by_mode(record: Record, words: Catalogue) -> Iterator[Block]:
