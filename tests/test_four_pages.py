@@ -148,4 +148,4 @@ def test_a_dash_among_the_least_times_has_its_reason_beside_it():
     page = compose(record).sections[1]
     notes = [block.text for block in page.blocks if isinstance(block, Paragraph)]
     reason = Catalogue().say(Message("band-saves-nothing", rigid=0.61, share=0.0123))
-    assert f"Move 1: {reason}" in notes
+    assert f"Move\N{NO-BREAK SPACE}1: {reason}" in notes

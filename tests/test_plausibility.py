@@ -21,7 +21,7 @@ def remarks_on(text: str) -> str:
     machine = parse_profile(text, where="p.toml")
     catalogue = Catalogue("en", rotary=machine.motion is Motion.ROTARY)
     said = (catalogue.say(remark) for remark in check_plausibility(machine))
-    return " | ".join(said).replace(THIN_SPACE, " ")
+    return " | ".join(said).replace(THIN_SPACE, " ").replace("\N{NO-BREAK SPACE}", " ")
 
 
 ON_THE_PAPER = r"""

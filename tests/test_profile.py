@@ -604,29 +604,28 @@ def test_a_wrong_kind_does_not_hide_the_other_faults_of_the_plant(kind: str, wor
 
 
 REMEDY = (
-    "; mend this line or the one above: texts and values with a unit stand in quotes, numbers take "
-    "a point, and a key stands once"
+    " ; mend this line or the one above: texts and values with a unit stand in quotes, numbers "
+    "take a point, brackets are closed, and a key stands once"
 )
 
 
 @pytest.mark.parametrize(
-    ("value", "line", "reason"),
+    ("value", "line", "got"),
     [
-        ("0,25", 19, "Expected newline or end of document after a statement"),
-        ("2 kN", 19, "Expected newline or end of document after a statement"),
-        ('"2 kN', 19, "Illegal character '\\n'"),
-        ("“2 kN”", 19, "Invalid value"),
-        ('["2 kN"', 20, "Unclosed array"),
-        ("", 19, "Invalid value"),
-        ("1\nmax_force = 2", 20, "Cannot overwrite a value"),
+        ("0,25", 19, "max_force = 0,25"),
+        ("2 kN", 19, "max_force = 2 kN"),
+        ('"2 kN', 19, 'max_force = "2 kN'),
+        ("“2 kN”", 19, "max_force = “2 kN”"),
+        ("", 19, "max_force ="),
+        ("1\nmax_force = 2", 20, "max_force = 2"),
     ],
 )
 def test_what_is_no_toml_has_the_line_of_the_parser_and_a_remedy(
-    value: str, line: int, reason: str
+    value: str, line: int, got: str
 ) -> None:
-    """TOML's own words ("Illegal character") tell nobody what to type instead."""
+    """TOML's own words ("Illegal character") are English and tell nobody what to type instead."""
     text = changed(MANIPULATOR, 'max_force = "2 kN"', f"max_force = {value}")
-    assert faults_in(text) == [f"p.toml:{line}: TOML syntax: {reason}{REMEDY}"]
+    assert faults_in(text) == [f"p.toml:{line}: no TOML: {got}{REMEDY}"]
 
 
 def test_missing_tables_are_asked_for() -> None:
@@ -672,7 +671,7 @@ def fault_of_file(path: Path) -> Fault:
         (
             b"schema = 1\n[drive\nmax_force = 2\n",
             2,
-            "TOML syntax: Expected ']' at the end of a table declaration" + REMEDY,
+            "no TOML: [drive" + REMEDY,
         ),
         (
             b"a = " + b"[" * 20000,

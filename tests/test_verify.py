@@ -269,7 +269,7 @@ def test_the_encoder_alone_tells_nothing_of_a_mode_that_it_does_not_show(tmp_pat
         line for line in say_reasons(found.checks, words_of(found)) if "only the encoder" in line
     ]
     assert len(said) == 1
-    assert said[0].count("Move 1") == 3
+    assert said[0].count("Move\N{NO-BREAK SPACE}1") == 3
 
 
 @pytest.mark.parametrize(("share", "verdict"), [(0.9, Verdict.FAILS), (0.99, Verdict.UNKNOWN)])

@@ -63,7 +63,7 @@ def describe_limits(
     ]  # fmt: skip
     warned = warn(spoken, [one for one in answer.warnings if not _is_of_loop(one)])
     room = rows - len(fold([*shown, *warned]))
-    shown += [_assumed(machine, assumed, spoken, rows=min(room, ASSUMED_ROWS)), *warned]
+    shown += [_assumed(assumed, spoken, rows=min(room, ASSUMED_ROWS)), *warned]
     notes = [
         *(said(one) for one in answer.warnings if _is_of_loop(one)),
         *(_loop_today(machine, spoken) if answer.today else []),
@@ -153,15 +153,13 @@ def _limits_table(machine: Machine, answer: LimitsAnswer, spoken: Catalogue) -> 
     return shown
 
 
-def _assumed(machine: Machine, assumed: Sequence[str], spoken: Catalogue, *, rows: int) -> str:
+def _assumed(assumed: Sequence[str], spoken: Catalogue, *, rows: int) -> str:
     """What nobody stated of the machine, as far as these rows hold it; at least one of it."""
     named, more = list(assumed), 0
     while True:
         listed = "; ".join(named)
         if more:
             listed = spoken.text("assumed-more", names=listed, count=more)
-        if machine.illustrative:
-            listed = spoken.text("terminal-illustrative", names=listed)
         said = spoken.text("terminal-assumed", what=listed)
         if len(fold([said])) <= rows or len(named) < 2:
             return said
@@ -221,7 +219,7 @@ def describe_simulation(
         *list_quantities(spoken, columns, corners),
         *_checks(machine, part.assessment, spoken),
         spoken.text("terminal-worst", places="; ".join(worst)),
-        _assumed(machine, assumed, spoken, rows=ASSUMED_ROWS),
+        _assumed(assumed, spoken, rows=ASSUMED_ROWS),
         *(spoken.say(one) for one in part.warnings if _is_of_loop(one)),
         *warn(spoken, [one for one in part.warnings if not _is_of_loop(one)]),
     ]

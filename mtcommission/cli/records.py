@@ -46,6 +46,7 @@ def sheet(
     from mtcommission.record.record import load_record
     from mtcommission.record.shape import names_group
     from mtcommission.sheet.content import print_html, print_pdf, remark_on_print
+    from mtcommission.sheet.measurements import remark_on_comparison
     from mtcommission.sheet.verdict import type_in
 
     inputs = [record, *(one for one in (compare, verified) if one)]
@@ -73,7 +74,8 @@ def sheet(
                 appendix=appendix,
             )
     write_files(output, files)
-    for note in () if no_pdf else remark_on_print(loaded):
+    notes = remark_on_comparison(before, loaded) if before else ()
+    for note in (*notes, *(() if no_pdf else remark_on_print(loaded))):
         print_note(note)
     print_written(output, files)
     raise typer.Exit(0 if loaded.assessment.met else 1)

@@ -222,11 +222,13 @@ def list_assumed(machine: Machine, plant: Plant, profile_text: str, words: Catal
         ),
         key=lambda item: [item.key.startswith(begin) for begin in ASSUMED_FIRST].index(True),
     )
+    known = [Message("assumed-illustrative")] if machine.illustrative else []
     model = list(machine.mechanics.assumptions())
     if machine.drive.force_velocity is not None:
         both = {"acceleration": machine.drive.max_force, "velocity": machine.drive.force_velocity}
         model.append(Message("assumed-acceleration-at", **both))
-    return [*say_assumed(ordered, _units(plant), words), *map(words.say, model)]
+    said = say_assumed(ordered, _units(plant), words)
+    return [*map(words.say, known), *said, *map(words.say, model)]
 
 
 def _units(plant: Plant) -> dict[str, str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 from html import escape
@@ -196,22 +195,15 @@ a black-and-white print."""
 def draw_svg(plot: LinePlot, *, decimal_mark: str = ".", panel_height: float = PANEL) -> str:
     """Return a plot as SVG; the same plot always gives the same text."""
     lines = [line for panel in plot.panels for line in panel.lines]
-    common, *own = legends_of(plot)
-    rows = legend_rows(common)
-    beside = [
-        legend_rows(entries, less=text_width(panel.y_label))
-        for panel, entries in zip(plot.panels, own, strict=True)
-    ]
+    rows = legend_rows(legend_of(plot))
     top = len(rows) * ROW
-    heads = [TITLE + max(len(one) - 1, 0) * ROW for one in beside]
-    canvas = Canvas(WIDTH, top + sum(heads) + len(plot.panels) * panel_height + FOOT)
+    canvas = Canvas(WIDTH, top + len(plot.panels) * (TITLE + panel_height) + FOOT)
     _draw_legend(canvas, rows)
     low, high = span([line.x for line in lines], is_log=plot.x_is_log, room=0.01)
     x = Axis(low=low, high=high, begin=LEFT, end=WIDTH - RIGHT, is_log=plot.x_is_log)
-    for panel, head, legend in zip(plot.panels, heads, beside, strict=True):
+    for panel in plot.panels:
         canvas.text(LEFT, top + TITLE - 4.0, panel.y_label)
-        _draw_legend(canvas, legend, top=top + TITLE - ROW - 1.0)
-        top += head
+        top += TITLE
         _draw_panel(canvas, panel, x, top, top + panel_height, decimal_mark)
         top += panel_height
     _label_x(canvas, x, top, plot.x_label, decimal_mark)
@@ -266,15 +258,9 @@ def _draw_limit(canvas: Canvas, x: Axis, y: Axis, value: float) -> None:
     canvas.line(ends, color=color, dashes=dashes, width=width)
 
 
-def legends_of(plot: LinePlot) -> list[list[Line]]:
-    """Return what stands above all panels, then what each panel alone has, beside its name."""
-    panels = [{line.label: line for line in panel.lines} for panel in plot.panels]
-    if len(panels) == 1:
-        return [list(panels[0].values()), []]
-    counts = Counter(label for panel in panels for label in panel)
-    common = {label: e for panel in panels for label, e in panel.items() if counts[label] > 1}
-    own = ([e for label, e in panel.items() if label not in common] for panel in panels)
-    return [list(common.values()), *own]
+def legend_of(plot: LinePlot) -> list[Line]:
+    """Return one curve of each name of a plot, in the order of its panels."""
+    return list({line.label: line for panel in plot.panels for line in panel.lines}.values())
 
 
 def entry_width(line: Line) -> float:
@@ -282,9 +268,9 @@ def entry_width(line: Line) -> float:
     return SAMPLE + 4.0 + text_width(line.label) + SPACE
 
 
-def legend_rows(entries: list[Line], *, less: float = 0.0) -> list[list[Line]]:
-    """Return the rows of a legend, each with as many entries as fit beside something [pt]."""
-    room = WIDTH - LEFT - RIGHT + SPACE - less
+def legend_rows(entries: list[Line]) -> list[list[Line]]:
+    """Return the rows of a legend, each with as many entries as fit."""
+    room = WIDTH - LEFT - RIGHT + SPACE
     rows: list[list[Line]] = []
     for entry in entries:
         if not rows or sum(map(entry_width, rows[-1])) + entry_width(entry) > room:
@@ -293,11 +279,11 @@ def legend_rows(entries: list[Line], *, less: float = 0.0) -> list[list[Line]]:
     return rows
 
 
-def _draw_legend(canvas: Canvas, rows: list[list[Line]], *, top: float = 0.0) -> None:
-    """Draw the rows of a legend below a height, flush right."""
+def _draw_legend(canvas: Canvas, rows: list[list[Line]]) -> None:
+    """Draw the rows of a legend, flush right."""
     for k, row in enumerate(rows):
         left = WIDTH - RIGHT - sum(map(entry_width, row)) + SPACE
-        base = top + (k + 1) * ROW - 3.0
+        base = (k + 1) * ROW - 3.0
         for entry in row:
             color, dashes, width = LINES[entry.style]
             middle, right = base - 0.36 * SIZE, left + SAMPLE

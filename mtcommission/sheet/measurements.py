@@ -204,6 +204,8 @@ def differences(before: Record, after: Record, words: Catalogue) -> Iterator[Blo
     text, machine, profile = words.text, before.machine, before.profile
     said = {"machine": machine.name, "axis_name": machine.axis, "name": profile.name}
     yield note(text("compared-with", **said, created=before.created, hash=profile.sha256))
+    for remark in remark_on_comparison(before, after):
+        yield Paragraph(text=words.say(remark), tone=Tone.WARNING)
     inputs = list(_inputs(before, after, words))
     if not inputs:
         yield Paragraph(text=text("no-changed-inputs"))
@@ -224,6 +226,14 @@ def differences(before: Record, after: Record, words: Catalogue) -> Iterator[Blo
     if any(list(_of([one], before, after, words)) for one in _gains(words)):
         causes = ", ".join(_of_the_loop(before, after, words))
         yield note(text("changed-gains" if causes else "changed-gains-by-moves", causes=causes))
+
+
+def remark_on_comparison(before: Record, after: Record) -> tuple[Message, ...]:
+    """Return a warning where the two records are of different axes."""
+    one, other = (f"{item.name} {item.axis}" for item in (before.machine, after.machine))
+    if one == other:
+        return ()
+    return (Message("compared-other-axis", before=one, after=other),)
 
 
 def _of(

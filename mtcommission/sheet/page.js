@@ -107,13 +107,8 @@ function fit(host, plot) {
   return Math.round(Math.min(WIDEST, Math.max(least, host.clientWidth)));
 }
 
-// What stands above all panels, then what each panel alone has, below its name.
-function legendsOf(plot) {
-  const panels = plot.panels.map(panel => new Map(panel.lines.map(line => [line.label, line.style])));
-  const isCommon = label => panels.length === 1 || panels.filter(panel => panel.has(label)).length > 1;
-  const entries = panels.map(panel => [...panel]);
-  const common = new Map(entries.flat().filter(([label]) => isCommon(label)));
-  return [[...common], ...entries.map(named => named.filter(([label]) => !isCommon(label)))];
+function legendOf(plot) {
+  return [...new Map(plot.panels.flatMap(panel => panel.lines.map(line => [line.label, line.style])))];
 }
 
 function legendRows(named) {
@@ -128,9 +123,9 @@ function legendRows(named) {
   return rows;
 }
 
-function drawLegend(svg, rows, top = 0) {
+function drawLegend(svg, rows) {
   rows.forEach((row, k) => row.forEach(([label, style, left]) => {
-    const down = top + 12 + LEGEND * k;
+    const down = 12 + LEGEND * k;
     add(svg, "path", {class: `curve s${style}`, d: `M${left} ${down}h34`});
     add(svg, "text", {x: left + 40, y: down + 4}, label);
   }));
@@ -147,9 +142,8 @@ function whole(plot) {
 }
 
 function drawLines(svg, plot, view, key) {
-  const [common, ...own] = legendsOf(plot).map(legendRows), head = drawLegend(svg, common);
-  const heads = own.map(rows => TITLE + LEGEND * rows.length);
-  const height = heads.reduce((sum, one) => sum + one + PANEL, head + FOOT);
+  const head = drawLegend(svg, legendRows(legendOf(plot)));
+  const height = head + plot.panels.length * (TITLE + PANEL) + FOOT;
   svg.setAttribute("viewBox", `0 0 ${across} ${height}`);
   const x = scale(...view, LEFT, across - RIGHT, plot.x_is_log), titles = [];
   let top = head;
@@ -167,9 +161,8 @@ function drawLines(svg, plot, view, key) {
       low = Math.min(low, border.y);
       high = Math.max(high, border.y);
     }
-    drawLegend(svg, own[i], top + TITLE);
     titles.push(add(svg, "text", {x: LEFT, y: top + TITLE - 6}, panel.y_label));
-    top += heads[i];
+    top += TITLE;
     const y = scale(...widen(low, high, false), top + PANEL, top, false);
     frame(svg, x, y, `${key}-${i}`);
     const inside = add(svg, "g", {"clip-path": `url(#${key}-${i})`});

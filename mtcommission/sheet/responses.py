@@ -25,7 +25,6 @@ from mtcommission.sheet.plots import (
     OTHER,
     SETPOINT,
     THIRD,
-    Array,
     Curve,
     Signals,
     line_plot,
@@ -206,9 +205,6 @@ def _signals(record: Record, number: int, words: Catalogue) -> list[Signals]:
         return Signals(name=name, unit=unit, curves=shown, limits=both(bound))
 
     forces = curves(every, "F_set")
-    # Held values step from cycle to cycle: drawn as they are, they fill a thick band.
-    for force in forces[-1:]:
-        force.y = mean_over(force.x, force.y, record.loop.position_cycle)
     states = record.plant.states
     speed = "v_s" if {"v_s", "x_s"} <= set(states) else "v"
     rates = [state for state in states if state.startswith("v_") and state != speed]
@@ -217,7 +213,7 @@ def _signals(record: Record, number: int, words: Catalogue) -> list[Signals]:
     bounds = optima.constrained.limits if optima.constrained else {}
     tool, tcp = curves(every, "tcp_vibration"), units["tcp"]
     found = [
-        one(text("force-in-mean"), units["F"], forces, optima.time.f_max),
+        one(words.name("F_set"), units["F"], forces, optima.time.f_max),
         one(text("acceleration"), "m/s^2", accelerations),
         one(text("velocity"), units[speed], velocities),
         *(
@@ -228,16 +224,6 @@ def _signals(record: Record, number: int, words: Catalogue) -> list[Signals]:
         one(text("deviation"), tcp, curves(own, "deviation"), find_band(record)),
     ]
     return [panel for panel in found if panel.curves]
-
-
-def mean_over(t: Array, values: Array, time: float) -> Array:
-    """Return the mean of even samples over a time about each of them, as far as there are any."""
-    if t.size < 2:
-        return values
-    count = max(1, round(time / (t[1] - t[0])))
-    edges = np.clip(np.arange(t.size)[:, None] + [-(count // 2), count - count // 2], 0, t.size)
-    sums = np.concatenate([[0.0], np.cumsum(values)])[edges]
-    return np.asarray((sums[:, 1] - sums[:, 0]) / np.diff(edges)[:, 0])
 
 
 def _motion_plots(

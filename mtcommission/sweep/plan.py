@@ -22,7 +22,7 @@ from mtcommission.base.messages.message import Message, Value
 from mtcommission.base.units.quantities import NUMBER
 from mtcommission.base.units.symbols import read_unit
 from mtcommission.machine.moves import Positioning
-from mtcommission.machine.profile.read import parse_profile, read_key
+from mtcommission.machine.profile.read import load_toml, parse_profile, read_key
 from mtcommission.optimal.control import Bound
 
 FORCE_KEY = "drive.max_force"
@@ -210,11 +210,8 @@ def vary_profile(text: str, settings: Settings, *, where: str) -> str:
 @lru_cache(maxsize=16)  # all cases vary the same keys; reading the profile anew takes 6 ms
 def _mark_places(text: str, keys: tuple[str, ...], *, mark: str, where: str) -> str:
     """The profile with a mark and a number in place of each value that varies."""
-    try:
-        document = tomlkit.parse(text)
-    except ValueError as error:
-        message = Message("sweep-no-toml", reason=str(error))
-        raise InputError.at(where, message) from error
+    load_toml(text, where=where)  # says where it is no TOML
+    document = tomlkit.parse(text)
     for number, key in enumerate(keys):
         try:
             _place(document, read_key(key).split("."), f"{mark}-{number}")

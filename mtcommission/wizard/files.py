@@ -25,7 +25,7 @@ from mtcommission.machine.profile.read import (
     read_key,
     read_profile_text,
 )
-from mtcommission.machine.readers import propose
+from mtcommission.machine.readers import propose, read_path, show_key
 from mtcommission.wizard import answers as own_keys
 from mtcommission.wizard.answers import (
     ACCEPTED,
@@ -66,6 +66,7 @@ class Source:
     text: str  # of the profile that is changed; "" for a new one
     where: str  # name of the file of answers; "" without one
     lines: Mapping[str, int]  # line of each key in that file
+    replaced: tuple[str, ...] = ()  # what that file changes of the profile or of kept answers
 
     def locate(self, fault: Fault) -> Fault:
         """Return a fault with its place in the file of answers; the profile is not written."""
@@ -88,14 +89,21 @@ def gather(output: Path, answers_file: Path | None) -> Source:
     kept = Path(f"{output}{KEPT}")
     if kept.exists():
         answers |= to_answers(load_toml(read_profile_text(kept), where=str(kept)))
-    lines: dict[str, int] = {}
+    lines, replaced = dict[str, int](), tuple[str, ...]()
     if answers_file is not None:
         given, where = read_profile_text(answers_file), str(answers_file)
         data = load_toml(given, where=where)
         found = find_key_lines(given)
         lines = {".".join(map(str, path)): line for path, line in found.items()}
-        answers |= close_arrays(_known(to_answers(data), where=where, lines=lines))
-    return Source(answers=answers, text=text, where=str(answers_file or ""), lines=lines)
+        said = close_arrays(_known(to_answers(data), where=where, lines=lines))
+        replaced = tuple(
+            f"{show_key(read_path(key))} {answers[key]} → {value or '–'}"
+            for key, value in said.items()
+            if not key.startswith(own_keys.OWN) and answers.get(key) and answers[key] != value
+        )
+        answers |= said
+    where = str(answers_file or "")
+    return Source(answers=answers, text=text, where=where, lines=lines, replaced=replaced)
 
 
 def _of_profile(answers: dict[str, str]) -> dict[str, str]:

@@ -151,7 +151,10 @@ def run_wizard(
         If answers are missing or wrong where nobody can be asked, or input ends; the answers
         so far are kept beside the output.
     """
-    talk = _Interview(console, language, output, gather(output, answers_file))
+    source = gather(output, answers_file)
+    talk = _Interview(console, language, output, source)
+    if source.replaced:
+        talk.tell(Message("wizard-replaced", file=source.where, values=source.replaced), indent="")
     try:
         text, machine = talk.take_defaults() if take_defaults else talk.hold()
     except _Left as left:
@@ -415,17 +418,9 @@ def find_insights(answers: Answers) -> Iterator[Message]:
             by = "held" if follows(answers) else "free"
             yield Message("insight-deflection", mode=mode.name, deflection=deflection, by=by)
     if force is not None and force <= 0.0:
-        yield Message("insight-no-force", force=force, unit=axis.force.si)
+        yield Message("insight-no-force", force=force)
     elif mass and force is not None:
-        yield Message(
-            "insight-acceleration",
-            acceleration=force / mass,
-            rate=axis.acceleration.si,
-            force=force,
-            unit=axis.force.si,
-            mass=mass,
-            mass_unit=axis.mass.si,
-        )
+        yield Message("insight-acceleration", acceleration=force / mass, force=force, mass=mass)
     turn = motor_turn(answers)
     if turn and answers.get("wizard.way") == MODAL:
         yield Message("insight-rotor-unknown", mass=mass, each=1e-4 * turn**2)

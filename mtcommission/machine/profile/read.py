@@ -27,6 +27,9 @@ LARGEST_FILE = 200_000
 MOST_PARTS = 300
 """Parts of a dotted key: the time to read one grows with their square."""
 
+LONGEST_LINE = 60
+"""Letters of a line that is quoted where TOML refuses it."""
+
 LONGEST_VALUE = 200
 """Lines of an array or a text whose beginning is looked for: the time grows with their square."""
 
@@ -91,10 +94,13 @@ def load_toml(text: str, *, where: str) -> dict[str, Any]:
     except RecursionError as error:
         raise InputError.at(where, Message("toml-nested-deeply"), line=1) from error
     except ValueError as error:
+        # The parser's own words are English; the line that it refuses tells as much.
         place = re.search(r"\(at line (\d+)", str(error))
         at = min(int(place[1]), len(lines)) if place else len(lines)
-        reason = re.sub(r" ?\(at [^)]*\)", "", str(error))
-        raise InputError.at(where, Message("toml-refused", reason=reason), line=at) from error
+        while at > 1 and not lines[at - 1].strip():
+            at -= 1
+        got = lines[at - 1].strip()[:LONGEST_LINE]
+        raise InputError.at(where, Message("toml-refused", got=got), line=at) from error
 
 
 def parse_profile(text: str, *, where: str) -> Machine:

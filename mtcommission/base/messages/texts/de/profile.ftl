@@ -17,7 +17,7 @@ file-empty = ist leer; von einem mitgelieferten Profil ausgehen (mtcommission pr
 profile-unknown = kein mitgeliefertes Profil { $got }{ $hint }
 
 toml-nested-deeply = ist zu tief verschachtelt; ein Profil braucht höchstens drei Ebenen
-toml-refused = TOML-Syntax: { $reason }; diese oder die Zeile davor berichtigen: Texte und Werte mit Einheit stehen in Anführungszeichen, Zahlen haben einen Punkt, und jeder Schlüssel steht nur einmal
+toml-refused = kein TOML: { $got } ; diese oder die Zeile davor berichtigen: Texte und Werte mit Einheit stehen in Anführungszeichen, Zahlen haben einen Punkt, jede Klammer wird geschlossen, und jeder Schlüssel steht nur einmal
 
 key-unknown = unbekannter Schlüssel{ $hint }
 key-misspelt = unbekannter Schlüssel; ist „{ $meant }“ gemeint, das fehlt?

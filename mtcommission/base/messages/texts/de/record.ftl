@@ -14,6 +14,7 @@ json-array = eine Liste
 json-boolean = true oder false
 json-whole-number = eine ganze Zahl
 
+assumed-illustrative = die Beispielwerte des Profils
 assumption-illustrative = Die Maschinendaten sind Beispielwerte, nicht die einer wirklichen Maschine.
 assumption-linear = { $axis ->
     [rotary] Die Achse gilt als lineares System: starrer Körper, ein Momentenregelkreis als Verzögerung erster Ordnung und entkoppelte Eigenformen. Reibung, Umkehrspiel, Rastmomente und Momente der Energieführung bleiben außer Betracht.

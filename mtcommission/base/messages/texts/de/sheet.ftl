@@ -35,7 +35,7 @@ filter-of-second-length = Zweite Filterlänge
 filter-of-frequency = Filterfrequenz
 filter-of-damping = Dämpfungsgrad des Filters
 none = Keine.
-move = Bewegung { $number }
+move = Bewegung{ "\u00A0" }{ $number }
 velocity-step = Geschwindigkeitssprung { $velocity }
 positioning = Positionieren um { $distance }
 positioning-limited = Positionieren um { $distance } mit höchstens { $velocity }
@@ -206,6 +206,7 @@ meets = Alles erfüllt
 
 differences-heading = Änderungen seit dem früheren Blatt
 compared-with = Verglichen mit: { $machine }, Achse { $axis_name }, berechnet am { $created }, Profil { $name }, SHA-256 { $hash }.
+compared-other-axis = { $before } und { $after } sind verschiedene Achsen: keine Zeile unten ist eine Änderung an einer Achse.
 changed-inputs = Maschine, Bewegungen und Anforderungen: was sich geändert hat
 no-changed-inputs = Maschine, Bewegungen und Anforderungen sind auf beiden Blättern dieselben.
 compared-force-filters = Filter im { word-force-before }sollwert
@@ -309,7 +310,6 @@ bode-caption = { $axis ->
    *[linear] Frequenzgang: offener Kreis (an der Soll{ word-force-behind } aufgetrennt), geschlossener Geschwindigkeitsregelkreis
 }
 bode-alt = Betrag und Phase über der Frequenz. Amplitudenreserve { $gain }, Phasenreserve { $phase }, Bandbreite des Geschwindigkeitsregelkreises { $bandwidth }.
-force-in-mean = { name-F-set }, Mittel über einen Takt
 magnitude = Betrag in dB
 phase = Phase in °
 open-loop = offener Kreis

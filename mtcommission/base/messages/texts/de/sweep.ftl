@@ -19,7 +19,6 @@ sweep-no-whole-number = { $got } muss eine ganze Zahl sein
 sweep-count-of-range = die Anzahl muss zwischen 1 und { PLAIN($most, digits: 12) } liegen
 sweep-logarithm-of-zero = ein logarithmischer Bereich braucht Enden > 0
 sweep-no-number = { $got } beginnt nicht mit einer Zahl
-sweep-no-toml = TOML-Syntax: { $reason }
 sweep-no-element = das Profil hat kein solches Element; sie zählen ab 1 in Klammern, z. B. { $example }; ein fehlendes erst dort eintragen
 sweep-no-key = diesen Schlüssel gibt es nicht; Elemente von Listen haben Nummern, z. B. { $example }
 sweep-taken-from-profile = geht nur mit --quantity optimal; { $quantity } entnimmt es dem Profil

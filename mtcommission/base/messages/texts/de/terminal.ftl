@@ -54,7 +54,6 @@ terminal-limit = Grenze |{ $name }| <= { $value }: { $acts }.
 terminal-touched = { $limit } berührt bei { PLAIN($ms, digits: 4, style: "f") } ms
 terminal-more-touches = ... und { $count } weitere Berührpunkte: siehe --json
 terminal-assumed = Angenommen: { $what }.
-terminal-illustrative = { $names }; dazu die Beispielwerte des Profils
 terminal-bound-by = Begrenzt durch: { $what }.
 terminal-worst = Ungünstigste Fälle: { $places }.
 terminal-more-rules = Nicht gezeigte Faustregeln: { $count }; { $met } davon erfüllen alle Anforderungen.

@@ -22,7 +22,7 @@ what-if-response-caption = Abweichung des Werkzeugs
 what-if-response = Probiert: blau, die Eckfälle dünn; empfohlen: grün{ $today ->
     [yes] ; heute: orange
    *[no] {""}
-}. Ab der senkrechten Linie zählt das Band für das Probierte.
+}. Ab der senkrechten Linie zählt das Band für das Probierte; was 12 Bänder übersteigt, ist abgeschnitten.
 what-if-sizes-caption = Restabweichung über der Größe der Bewegung
 what-if-sizes = Schlechteste aller Maschinen, mit den probierten Werten. Tippen oder ziehen, um eine Größe zu probieren.
 what-if-landscape-caption = Einschwingzeit über Beschleunigung und Ruckzeit

@@ -150,6 +150,7 @@ wizard-kept = { $how } bei { $where }; Antworten stehen in { $file }, derselbe B
 wizard-left-by-user = beendet
 wizard-input-ended = Eingabe zu Ende
 wizard-interrupted = unterbrochen
+wizard-replaced = { $file } ersetzt, was vorher angegeben war: { $values }
 wizard-taken-as = gelesen als { $what }
 wizard-follows = = { $what }
 wizard-written = Geschrieben: { $file }: { $name }, Achse { $letter }
@@ -164,20 +165,17 @@ reply-missing = hier ist eine Antwort nötig, z. B. { $example }
 reply-no-choice = „{ $got }“ angegeben; eines wählen: { $choices }
 reply-unprintable = Steuerzeichen oder Bytes einer anderen Kodierung angegeben; einfachen Text eingeben
 
-insight-mode = Eigenform { $mode } bei { PLAIN($frequency) } Hz, Dämpfungsgrad { PLAIN($damping_ratio, digits: 3) }
-insight-deflection = Eigenform { $mode } verformt das Werkzeug um { PLAIN($deflection, unit: "us") } { $axis ->
-    [rotary] urad
-   *[linear] um
-} { $by ->
+insight-mode = Eigenform { $mode } bei { FREQUENCY($frequency) }, Dämpfungsgrad { PLAIN($damping_ratio, digits: 3) }
+insight-deflection = Eigenform { $mode } verformt das Werkzeug um { LENGTH($deflection) } { $by ->
     [held] bei voller Beschleunigung
    *[free] { $axis ->
         [rotary] bei vollem Drehmoment, statisch
        *[linear] bei voller Kraft, statisch
     }
 }
-insight-no-force = Gewicht oder Prozesskraft lassen { PLAIN($force) } { $unit } von der Kraft des Antriebs: die Achse kann sich nicht bewegen; mit < zurückgehen und eines von beiden berichtigen
-insight-acceleration = Beschleunigung des starren Körpers höchstens { PLAIN($acceleration) } { $rate } ({ PLAIN($force, digits: 6) } { $unit } an { PLAIN($mass, digits: 6) } { $mass_unit })
-insight-rotor-unknown = die { PLAIN($mass) } kg müssen den Läufer enthalten: jedes kg cm^2 an der Motorwelle ist an der Achse { PLAIN($each) } kg
+insight-no-force = Gewicht oder Prozesskraft lassen { FORCE($force) } von der Kraft des Antriebs: die Achse kann sich nicht bewegen; mit < zurückgehen und eines von beiden berichtigen
+insight-acceleration = Beschleunigung des starren Körpers höchstens { ACCELERATION($acceleration) } ({ FORCE($force) } an { MASS($mass) })
+insight-rotor-unknown = die { MASS($mass) } müssen den Läufer enthalten: jedes kg·cm² an der Motorwelle sind an der Achse { MASS($each) }
 
 document-head = Maschinenprofil für mtcommission; eine Größe ist ein Text mit Einheit oder eine Zahl in SI.
 document-check = Prüfen: mtcommission check DATEI; berechnen: mtcommission run DATEI.

@@ -22,7 +22,7 @@ profile-unknown = no shipped profile { $got }{ $hint }
 
 # TOML.
 toml-nested-deeply = is nested too deeply; a profile needs no more than three levels
-toml-refused = TOML syntax: { $reason }; mend this line or the one above: texts and values with a unit stand in quotes, numbers take a point, and a key stands once
+toml-refused = no TOML: { $got } ; mend this line or the one above: texts and values with a unit stand in quotes, numbers take a point, brackets are closed, and a key stands once
 
 # Keys.
 key-unknown = unknown key{ $hint }

@@ -19,6 +19,7 @@ json-whole-number = a whole number
 
 # What is assumed beyond the profile.
 
+assumed-illustrative = the profile's illustrative values
 assumption-illustrative = The machine data are illustrative, not those of a real machine.
 assumption-linear = { $axis ->
     [rotary] The axis is taken as a linear system: a rigid body, a first-order torque lag and decoupled flexible modes. Friction, backlash, cogging and cable drag are left out.

@@ -21,7 +21,6 @@ sweep-no-whole-number = { $got } must be a whole number
 sweep-count-of-range = the count must be 1 to { PLAIN($most, digits: 12) }
 sweep-logarithm-of-zero = a logarithmic range needs ends > 0
 sweep-no-number = { $got } does not begin with a number
-sweep-no-toml = TOML syntax: { $reason }
 sweep-no-element = the profile has no such element; they count from 1 in brackets, e.g. { $example }; write a missing one there first
 sweep-no-key = there is no such key; elements of arrays go by number, e.g. { $example }
 sweep-taken-from-profile = only goes with --quantity optimal; { $quantity } takes it from the profile

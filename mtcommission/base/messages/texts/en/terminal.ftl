@@ -56,8 +56,6 @@ terminal-limit = Limit |{ $name }| <= { $value }: { $acts }.
 terminal-touched = { $limit } touched at { PLAIN($ms, digits: 4, style: "f") } ms
 terminal-more-touches = ... and { $count } touch points more: see --json
 terminal-assumed = Assumed: { $what }.
-# $names: what is assumed beside it
-terminal-illustrative = { $names }; beside them the profile's illustrative values
 terminal-bound-by = Bound by: { $what }.
 # $places: each requirement with its worst corner
 terminal-worst = Worst corners: { $places }.

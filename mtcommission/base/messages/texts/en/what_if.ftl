@@ -22,7 +22,7 @@ what-if-response-caption = Deviation of the tool
 what-if-response = Tried: blue, its corners thin; recommended: green{ $today ->
     [yes] ; today: orange
    *[no] {""}
-}. The upright line is where the band begins to count for what is tried.
+}. The upright line is where the band begins to count for what is tried; what exceeds 12 bands is cut off.
 what-if-sizes-caption = Residual deviation over the size of the move
 what-if-sizes = Worst of all machines, with the tried values. Tap or drag to try a size.
 what-if-landscape-caption = Settling time over acceleration and jerk time

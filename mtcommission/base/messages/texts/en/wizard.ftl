@@ -161,6 +161,7 @@ wizard-kept = { $how } at { $where }; answers kept in { $file }, the same comman
 wizard-left-by-user = quit
 wizard-input-ended = input ended
 wizard-interrupted = interrupted
+wizard-replaced = { $file } replaces what was stated before: { $values }
 wizard-taken-as = taken as { $what }
 wizard-follows = = { $what }
 wizard-written = Written: { $file }: { $name }, axis { $letter }
@@ -178,17 +179,14 @@ reply-unprintable = got control characters or bytes of another encoding; type pl
 # $unit: with a blank before it, or empty
 
 # What follows from the answers; $frequency [Hz].
-insight-mode = mode { $mode } at { PLAIN($frequency) } Hz, damping ratio { PLAIN($damping_ratio, digits: 3) }
-insight-deflection = mode { $mode } bends the tool by { PLAIN($deflection, unit: "us") } { $axis ->
-    [rotary] urad
-   *[linear] um
-} at { $by ->
+insight-mode = mode { $mode } at { FREQUENCY($frequency) }, damping ratio { PLAIN($damping_ratio, digits: 3) }
+insight-deflection = mode { $mode } bends the tool by { LENGTH($deflection) } at { $by ->
     [held] full acceleration
    *[free] full force, statically
 }
-insight-no-force = weight or process force leave { PLAIN($force) } { $unit } of the drive's force: the axis cannot move; go back with < and correct one of the two
-insight-acceleration = rigid-body acceleration at most { PLAIN($acceleration) } { $rate } ({ PLAIN($force, digits: 6) } { $unit } on { PLAIN($mass, digits: 6) } { $mass_unit })
-insight-rotor-unknown = the { PLAIN($mass) } kg must contain the rotor: each kg cm^2 at the motor shaft is { PLAIN($each) } kg at the axis
+insight-no-force = weight or process force leave { FORCE($force) } of the drive's force: the axis cannot move; go back with < and correct one of the two
+insight-acceleration = rigid-body acceleration at most { ACCELERATION($acceleration) } ({ FORCE($force) } on { MASS($mass) })
+insight-rotor-unknown = the { MASS($mass) } must contain the rotor: each kg·cm² at the motor shaft is { MASS($each) } at the axis
 
 # Comments of a profile that the wizard writes.
 document-head = Machine profile for mtcommission; a quantity is a text with a unit, or a number in SI.
