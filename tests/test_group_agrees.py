@@ -83,7 +83,7 @@ def test_file_terminal_sheet_and_text_hold_the_numbers_that_were_judged(
     assert load_group(file) == record
     words = words_of(record, "en")
     terminal = " ".join(str(line) for line in describe_group(record, words))
-    first, _ = compose_group(record, read_pair(record), words).sections
+    first, *_ = compose_group(record, read_pair(record), words).sections
     tables = [block for block in first.blocks if isinstance(block, Table)]
     entered = {row[0]: row for row in tables[0].rows}
     (headline,) = (block for block in first.blocks if isinstance(block, Headline))

@@ -90,7 +90,7 @@ def test_html_and_pdf_say_what_is_entered_and_what_to_measure(language: str) -> 
 def test_deviations_have_one_unit_and_what_peaks_forbid_is_said() -> None:
     """4.2 nm beside 10.6 µm is read as 4.2 µm; a table of dashes says nothing."""
     narrow = replace(mill(), task=replace(mill().task, tolerance=8e-6))
-    found = build_group_record(narrow, created="today")
+    found = build_group_record(narrow, created="2026-01-01T00:00:00Z")
     words = words_of(found, "en")
     for said in (" ".join(map(str, describe_group(found, words))), text_of(html_of(found))):
         circles = said.split("Circle, radius")[-1] if "Warning" in said else said
@@ -104,6 +104,8 @@ def test_deviations_have_one_unit_and_what_peaks_forbid_is_said() -> None:
         assert one.feed == 0.0
         assert one.without_peaks is not None
         assert words.format.feed(one.without_peaks.feed) in html_of(found)
+    # What is said beyond a group that is met must not push the form to a third page.
+    assert len(text_of_pdf(print_group(found, mill().pair, language="de")["sheet.pdf"])) == 2
 
 
 def test_todays_values_stand_beside_the_new_ones_and_three_axes_have_their_columns() -> None:
@@ -121,7 +123,7 @@ def test_todays_values_stand_beside_the_new_ones_and_three_axes_have_their_colum
         axes=[other, own, third],
         feedforward=found.feedforward | {"Z": found.feedforward["Y"]},
     )
-    first, _ = compose_group(three, read_pair(three), words_of(three, "en")).sections
+    first, *_ = compose_group(three, read_pair(three), words_of(three, "en")).sections
     tables = [block for block in first.blocks if isinstance(block, Table)]
     each = next(one for one in tables if one.columns[-1].head == "Path")
     heads = [column.head for column in each.columns[2:-1]]
@@ -141,7 +143,7 @@ def test_what_is_not_kept_is_named_on_top() -> None:
     (circle, *others) = found.assessment.checks
     missed = replace(circle, value=2.0 * circle.limit, met=False)
     bad = replace(found, assessment=replace(found.assessment, met=False, checks=[missed, *others]))
-    first, _ = compose_group(bad, read_pair(bad), words_of(bad, "en")).sections
+    first, *_ = compose_group(bad, read_pair(bad), words_of(bad, "en")).sections
     headline = next(block for block in first.blocks if isinstance(block, Headline))
     assert not headline.is_met
     assert "contour on circles" in headline.detail

@@ -80,7 +80,7 @@ HOW = ("group-measure-centre", "group-measure-turn", "group-measure-peaks")
 def print_group(
     record: GroupRecord, pair: Pair, *, language: str = "en", with_pdf: bool = True
 ) -> dict[str, bytes]:
-    """Return the sheet of a group: HTML that works offline, and PDF, A4.
+    """Return the sheet of a group: HTML that works offline, and its two pages as PDF, A4.
 
     ``pair``: as the record has it, or as the group had it that the record is of.
 
@@ -94,7 +94,7 @@ def print_group(
     html = set_html(found, panel=contour_panel(record, pair, words))
     files = {"sheet.html": html.encode()}
     if with_pdf:
-        files["sheet.pdf"] = set_pdf(found)
+        files["sheet.pdf"] = set_pdf(replace(found, sections=found.pages))
     return files
 
 
@@ -104,13 +104,17 @@ def words_of(record: GroupRecord, language: str) -> Catalogue:
 
 
 def compose_group(record: GroupRecord, pair: Pair, words: Catalogue) -> Document:
-    """Return the sheet of a group: a page of values to enter, a page of circles and corners."""
+    """Return the sheet of a group: values to enter, circles and corners, and what is assumed."""
     text = words.text
     profiles = [
         text("identity", name=axis.profile.name, hash=axis.profile.sha256[:HASH_DIGITS])
         for axis in record.axes
     ]
     pages = {"verdict": first_page(record, words), "contours": second_page(record, pair, words)}
+    assumed = Bullets(items=tuple(map(words.say, record.assumptions)))
+    assumptions = Section(
+        key="assumptions", heading=text("assumptions"), blocks=(assumed,), is_appendix=True
+    )
     return Document(
         language=words.language,
         title=text("group-title"),
@@ -119,9 +123,12 @@ def compose_group(record: GroupRecord, pair: Pair, words: Catalogue) -> Document
         identity="; ".join(profiles),
         created=record.created,
         disclaimer=text("disclaimer"),
-        sections=tuple(
-            Section(key=key, heading=text(f"group-{key}-heading"), blocks=tuple(blocks))
-            for key, blocks in pages.items()
+        sections=(
+            *(
+                Section(key=key, heading=text(f"group-{key}-heading"), blocks=tuple(blocks))
+                for key, blocks in pages.items()
+            ),
+            assumptions,
         ),
     )
 
@@ -147,7 +154,10 @@ def first_page(record: GroupRecord, words: Catalogue) -> Iterator[Block]:
         first="group-axis",
         width=11.0,
     )
-    yield note(" ".join(map(words.say, record.assumptions)))
+    # What is assumed of an axis alone stands below the pages, as on its own sheet.
+    sentences = [item for item in record.assumptions if isinstance(item, Message)]
+    own = [item for item in sentences if item.kind.startswith("group-")]
+    yield note(" ".join(map(words.say, own)))
 
 
 def headline(record: GroupRecord, words: Catalogue) -> Headline:
@@ -239,8 +249,8 @@ def _entries(record: GroupRecord, parts: Sequence[Part], words: Catalogue) -> Ta
     cells = [cell for one in settled for cell in ((DASH, one) if has_old else (one,))]
     rows.append((text("group-settles"), DASH, *cells, *([DASH] if has_path else [])))
     columns = [
-        Column(head=text("quantity"), width=1.6),
-        Column(head=text("parameter"), width=2.6 if has_old and len(own) > 3 else 3.6),
+        Column(head=text("quantity"), width=1.9),
+        Column(head=text("parameter"), width=2.5 if has_old and len(own) > 3 else 3.4),
     ]
     for axis in record.axes:
         old_head, new_head = (text(f"group-axis-{key}", name=axis.name) for key in ("today", "new"))
@@ -272,9 +282,11 @@ def say_corners(record: GroupRecord, words: Catalogue) -> str:
 
 
 def _checks(record: GroupRecord, words: Catalogue) -> Table:
-    name, where = Quantity("check", "label", width=3.0), Quantity("where", "where", width=8.6)
-    # Rows that are not kept stand out; that leaves room for the place.
-    columns, checks = (name, *check_columns(words)[:-1], where), record.assessment.checks
+    name, where = Quantity("check", "label", width=2.95), Quantity("where", "where", width=8.4)
+    found, *others = check_columns(words)[:-1]
+    # Rows that are not kept stand out; that leaves room for the place, and bold numbers need some.
+    columns = name, replace(found, width=1.55), *others, where
+    checks = record.assessment.checks
     return table(words, "checks-caption", columns, checks, strong=lambda check: not check.met)
 
 
@@ -382,10 +394,10 @@ def _forbids(one: Any, words: Catalogue) -> str:
 def _measurements(record: GroupRecord, traces: dict[float, Trace], words: Catalogue) -> Table:
     """Each figure of a circle test: calculated and, to be filled in, measured, by feed."""
     text, circles = words.text, record.circle
-    columns = [Column(head=text("measurement"), width=2.2)]
+    columns = [Column(head=text("measurement"), width=2.4)]
     for circle in circles:
         columns.append(Column(head=words.format.feed(circle.feed), is_number=True))
-        columns.append(Column(head=text("measured")))
+        columns.append(Column(head=text("measured"), width=0.9))
     rows = [
         (text(f"group-measured-{key}"), [getattr(trace, key) for trace in traces.values()])
         for key in ("largest", "least", "circular")
