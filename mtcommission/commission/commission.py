@@ -149,8 +149,8 @@ def commission(
     progress(Message("stage-optimal-controls"))
     optima = tuple(find_optima(machine, plant, move) for move in machine.moves)
     within_band = tuple(find_within_band(machine, item) for item in optima)
-    listed = serve_listed(machine, tuned, choice, loop.filters)
     progress(Message("stage-responses"))
+    listed = serve_listed(machine, tuned, choice, loop.filters)
     alternatives = [
         judge(Row(label=name, machine=machine, tuned=tuned, limits=limits))
         for name, limits in condense_optima(machine, plant, optima)

@@ -25,7 +25,7 @@ from mtcommission.optimal.modes import free_peaks, free_row, in_moments
 from mtcommission.optimal.problem import BoundedProblem, all_bounds, bounded_problem
 from mtcommission.optimal.program import Cells
 from mtcommission.optimal.proof import require_followable
-from mtcommission.optimal.refine import cell_arcs, finer, finishes, observe, refined
+from mtcommission.optimal.refine import cell_arcs, finer, finish, observe, refined
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -35,8 +35,8 @@ ENOUGH, PROGRAMS = 1e-5, 6
 MACHINES, EXCHANGES, ROUNDS = 5, 30, 1
 """Of a spread in the first program; programs, in which the worst of all machines join, at most;
 and how often cells become finer."""
-ROUGH = 1e-3
-"""What they may miss of the band."""
+ROUGH, MISSED = 1e-3, 1e-6
+"""What they, and what comes out, may miss of the band, before its forces are divided."""
 MOST_RADIANS = 1e4
 """Of the fastest vibration within a robust force, beyond which its programs, of the modes of all
 machines, would take minutes (empirical)."""
@@ -109,7 +109,8 @@ def find_robust_force(
 
     problem, rounds = asked(), 0
     require_followable(guess, problem.vibration_rate, most=MOST_RADIANS)
-    plan, start = first_cells(problem, t_free=guess).plan, None
+    first = first_cells(problem, t_free=guess)
+    plan, start = first.plan, first.basis
     for _ in range(EXCHANGES):
         cells = exchange(problem, plan, tolerance=ROUGH, start=start)
         if cells is None:
@@ -215,7 +216,7 @@ def side_by_side(plants: Sequence[Plant]) -> tuple[Plant, list[Array]]:
 def _force(
     problem: BoundedProblem, move: Move, cells: Cells, *, band: float, width: float
 ) -> BandForce:
-    found = next(finishes(problem, cells), None)
+    found = finish(problem, cells, tolerance=MISSED)
     if found is None:
         raise ComputationError(Outcome.NO_CONVERGENCE, Message("band-program-gave-up"))
     arcs = cell_arcs(problem, found)

@@ -9,6 +9,7 @@ docs/optimal-control.md derives the method.
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 from math import nan
 
 import numpy as np
@@ -42,13 +43,16 @@ from mtcommission.optimal.problem import (
     describe_bounds,
 )
 from mtcommission.optimal.proof import Found, prove, require_followable, slopes
-from mtcommission.optimal.refine import MOST_RADIANS, Seen, cell_arcs, finishes, refined
+from mtcommission.optimal.refine import MOST_RADIANS, Seen, cell_arcs, finish, refined
 from mtcommission.optimal.sequence import detect_sequence
 
 Array = NDArray[np.float64]
 
 ENOUGH = 7e-7
 """Gap at which cells are fine enough where no exact sequence exists."""
+FINISHES = (3e-8, 1e-6)
+"""What a control on cells may exceed bounds by before its forces are divided by the reach: the
+second where the first asks too much."""
 SLOW = 10.0
 """Times the move without bounds from which on the search begins at that of the rigid axis."""
 SAME_TIME = 1e-7
@@ -164,11 +168,13 @@ def _search(problem: BoundedProblem, *, t_free: float) -> Found:
             break
     # Where an arc is held too long for a control that has to enter it, the first cells hold none.
     measure = first.measure if best is None else best.cells.measure
-    for known in (first,) if best is None else (best.cells, first):
-        for cells in finishes(problem, known):
-            found = prove(problem, cell_arcs(problem, cells), measure, (), is_exact=False)
-            if found is not None:
-                return found
+    for known, tolerance in product((first,) if best is None else (best.cells, first), FINISHES):
+        cells = finish(problem, known, tolerance=tolerance)
+        if cells is None:
+            continue
+        found = prove(problem, cell_arcs(problem, cells), measure, (), is_exact=False)
+        if found is not None:
+            return found
     told, unit = describe_bounds(problem.plant, problem.bounds), problem.plant.force_unit
     force = problem.force_limit
     detail = Message("bounded-optimum-not-found", bounds=told, force=force, unit=unit)

@@ -64,9 +64,9 @@ def _least_factor(problem: BoundedProblem, t_f: float) -> float:
     return inf if solution is None else float(solution.unknowns[-1])
 
 
-FEWEST_CELLS, MOST_CELLS = 100, (400, 900)
-"""At first: enough to see every feature, few enough for a fraction of a second; the more without a
-cruise, of which one knows where it begins and ends (empirical)."""
+FEWEST_CELLS, MOST_CELLS = 100, 900
+"""Even cells at first: enough to see every feature, and few enough for a fraction of a second
+(empirical)."""
 RADIANS_PER_CELL = 0.8
 """Between the two, cells that resolve the fastest mode (empirical)."""
 GROWTH = 0.15
@@ -142,7 +142,7 @@ def exchange(
 def _first_edges(problem: BoundedProblem, t_f: float, *, radians: float) -> Array:
     """Return even edges; of a long move close together at its ends and those of its cruise."""
     cell = radians / problem.vibration_rate
-    if t_f / cell < MOST_CELLS[bool(problem.ramp == inf)]:
+    if t_f / cell < (MOST_CELLS if problem.ramp == inf else FEWEST_CELLS):
         return np.linspace(0.0, t_f, max(int(t_f / cell), FEWEST_CELLS) + 1)
     ramp = min(problem.ramp, 0.5 * t_f)
     places = np.unique([0.0, ramp, t_f - ramp, t_f])

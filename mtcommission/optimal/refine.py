@@ -67,9 +67,8 @@ SEVERAL = 2
 """Machines from which on no interiors are held: what no proof is asked of does without them."""
 LEAST_CELL = 1e-9
 """Share of t_f that new edges keep from old ones."""
-FINISHES, SPARE = (3e-8, 1e-6), 1.2
-"""What a control on cells may exceed bounds by before its forces are divided by the reach, and the
-reach that it has to spare, over that."""
+SPARE = 1.2
+"""Reach that a control on cells has to spare, over what it exceeds bounds by."""
 FULL = 1.0 - 1e-9
 """Share of the force limit from which a cell is a bang arc, as is one within that of the next."""
 
@@ -253,18 +252,18 @@ def _planned(problem: BoundedProblem, seen: Seen, edges: Array, points: Points) 
     return Plan(edges=edges, points=points, interiors=tuple(interiors))
 
 
-def finishes(problem: BoundedProblem, cells: Cells) -> Iterator[Cells]:
-    """Yield controls on cells with as much time as it takes to keep the bounds everywhere.
+def finish(problem: BoundedProblem, cells: Cells, *, tolerance: float) -> Cells | None:
+    """Return a control on cells with as much time as it takes to keep the bounds everywhere.
 
-    What exceeds a bound is paid for by reach to spare: all forces are divided by the reach.
+    What exceeds a bound by less than the tolerance is paid for by reach to spare: all forces are
+    divided by the reach.
     """
-    for tolerance in FINISHES:
-        wanted = 1.0 + SPARE * tolerance
-        found = exchange(problem, cells.plan, tolerance=tolerance, relaxed=False, wanted=wanted)
-        if found is not None:
-            worst = float(excess(problem, found, find_peaks(problem, found)).max(initial=0.0))
-            if found.reach >= 1.0 + worst:
-                yield found
+    wanted = 1.0 + SPARE * tolerance
+    found = exchange(problem, cells.plan, tolerance=tolerance, relaxed=False, wanted=wanted)
+    if found is None:
+        return None
+    worst = float(excess(problem, found, find_peaks(problem, found)).max(initial=0.0))
+    return found if found.reach >= 1.0 + worst else None
 
 
 def cell_arcs(problem: BoundedProblem, cells: Cells) -> tuple[Arc, ...]:
