@@ -40,7 +40,6 @@ from mtcommission.record.moves import describe_move
 from mtcommission.record.read_back import read_limits
 from mtcommission.record.record import Record
 from mtcommission.record.shape import dump_json, entry_of, find_checksum, to_entry, to_plain
-from mtcommission.study.attainable import NO_LIMITS
 
 Json = dict[str, Any]
 
@@ -231,7 +230,7 @@ def unsettled_record() -> Json:
         item["settling_time"] = None
     for mode in limits["modes"]:
         mode |= dict.fromkeys(("acceleration", "jerk", "jerk_time"))
-        mode |= {"reason": to_json(NO_LIMITS), "meets_requirements": False}
+        mode |= {"meets_requirements": False}
     limits["modes"][0]["attainable"] = 3.17e-6
     limits["recommended"]["valid_for"] = [{"smallest": 0.102, "largest": 0.102}]
     missed, place = {"limit": 0.2, "unit": "s"}, Message("place-move", number=1)

@@ -41,16 +41,19 @@ def test_each_number_is_what_the_changed_machine_gets_for_itself() -> None:
         for item in found.values()
         if isfinite(item.saved)
     )
-    assert {"change-dsc", "change-feedforward", "change-lag", "change-stiffer"} <= set(found)
+    assert {"change-dsc", "change-feedforward", "change-lag", "change-spread"} <= set(found)
     fed = replace(machine, control=replace(machine.control, acceleration_feedforward=1.0))
     in_drive = replace(machine, control=replace(machine.control, position_loop=PositionLoop.DRIVE))
     for kind, changed in (("change-feedforward", fed), ("change-dsc", in_drive)):
         tuned = tune_loop(changed)
-        own = choose_limits(changed, tuned)
+        own = choose_limits(changed, tuned).candidate.settling_time
         # Kp differs by its first try; a number of another machine does more.
-        assert found[kind].settling_time == pytest.approx(own.candidate.settling_time, rel=0.05)
+        if found[kind].outcome is None:
+            assert found[kind].settling_time == pytest.approx(own, rel=0.05)
+        else:
+            assert found[kind].outcome.kind == "change-saves-little"
+            assert own > 0.97 * before
     assert found["change-feedforward"].saved > 0.0
-    assert found["change-spread"].saved >= 0.0  # the recommended limits still hold
 
 
 def test_a_rest_that_nobody_stated_is_weighed_where_the_heat_binds() -> None:

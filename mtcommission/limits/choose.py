@@ -44,7 +44,6 @@ class Choice:
     tuned: TunedLoop
     candidate: Candidate  # rounded to what is typed in, and the verdict on exactly that
     moves: tuple[MoveResult, ...]  # in every corner
-    largest_jerk: float  # that was allowed [m/s³]
     why: Message | None = None  # what forbids faster limits, where somebody else knows it
 
     @property
@@ -90,8 +89,6 @@ class Choice:
             return Message("bound-by-nothing-met")
         has_jerk = machine.control.kind.has_jerk_limit
         for a, j in RAISED if has_jerk else RAISED[:1]:
-            if j * limits.jerk > self.largest_jerk:
-                return Message("bound-by-jerk-in-proportion", jerk=self.largest_jerk)
             raised = replace(limits, acceleration=a * limits.acceleration, jerk=j * limits.jerk)
             for check in judge_sizes(machine, tuned, raised):
                 if check.share(machine) > 1.0:
@@ -130,7 +127,7 @@ def choose_limits(
         typed = find_typed(allowed, tuned, near=near, found=found, largest_jerk=largest_jerk)
         found = ()
         if typed is not None:
-            choice = _judged(machine, allowed, tuned, typed, largest_jerk)
+            choice = _judged(machine, allowed, tuned, typed)
             if choice.meets_requirements:
                 return choice
             best = best or choice
@@ -148,7 +145,7 @@ def choose_limits(
             break
     else:
         typed = type_in_at_least(machine, tuned)
-    return _judged(machine, machine, tuned, typed, largest_jerk)
+    return _judged(machine, machine, tuned, typed)
 
 
 def may_be_in_time(machine: Machine, settling_time: float) -> bool:
@@ -156,13 +153,7 @@ def may_be_in_time(machine: Machine, settling_time: float) -> bool:
     return settling_time <= RESERVE_BUYS * machine.requirements.max_settling_time
 
 
-def _judged(
-    machine: Machine,
-    kept: Machine,
-    tuned: TunedLoop,
-    typed: Typed,
-    largest_jerk: float,
-) -> Choice:
+def _judged(machine: Machine, kept: Machine, tuned: TunedLoop, typed: Typed) -> Choice:
     """The verdict on limits by the requirements as they stand; ``kept``: what they keep."""
     moves = simulate_moves(machine, tuned, typed.limits)
     return Choice(
@@ -171,7 +162,6 @@ def _judged(
         tuned=tuned,
         candidate=evaluate_moves(machine, tuned, moves, sizes=typed.sizes),
         moves=moves,
-        largest_jerk=largest_jerk,
     )
 
 

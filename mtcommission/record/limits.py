@@ -23,7 +23,7 @@ from mtcommission.record.moves import Array, AssessmentPart, describe_move, roun
 from mtcommission.record.shape import Words, entry_of, of
 from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT
 from mtcommission.setpoint.smaller_moves import size_of
-from mtcommission.study.attainable import NO_LIMITS, ModeLimits
+from mtcommission.study.attainable import ModeLimits
 from mtcommission.study.loops import describe_loop
 from mtcommission.study.robustness import KeptRange
 from mtcommission.study.rules import TodaysValues
@@ -161,19 +161,17 @@ class RuleText:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModeLimitsEntry:
-    """Limits for one machining mode, from a band of its own; None where ``reason`` says why."""
+    """Limits for one machining mode, from a band of its own; None where none meet all with it."""
 
     name: str
     band: float
     acceleration: float | None = of("candidate.limits.acceleration")
     jerk: float | None = of("candidate.limits.jerk")
     jerk_time: float | None = of("candidate.limits.jerk_time")
-    bound_by: Words
     settling_time: float | None = of("candidate.settling_time")
     residual_deviation: float | None = of("candidate.residual_deviation")
     peak_deviation: float | None = of("candidate.peak_deviation")
     meets_requirements: bool = of("candidate.assessment.is_met")
-    reason: Words
     attainable: float | None  # the band that could be asked for instead
 
 
@@ -345,8 +343,6 @@ def _mode_entry(mode: ModeLimits) -> ModeLimitsEntry:
     return entry_of(
         ModeLimitsEntry,
         mode,
-        bound_by=mode.bound_by if is_met else NO_LIMITS,
-        reason="" if is_met else NO_LIMITS,
         attainable=found.value if found else None,
         **({} if is_met else dict.fromkeys(("acceleration", "jerk", "jerk_time", *REACHED))),
     )

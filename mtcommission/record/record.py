@@ -50,7 +50,7 @@ if TYPE_CHECKING:
 
 Sealed = TypeVar("Sealed")
 
-SCHEMA = 10
+SCHEMA = 11
 
 FORCE_LIMITS = ("drive.max_force", "drive.max_acceleration")
 """Key of the datum that bounds F_set, of an axis with a drive and of a motor that follows."""

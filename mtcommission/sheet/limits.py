@@ -118,13 +118,6 @@ def _listed_name(listed: ListedEntry, part: LimitsPart, words: Catalogue) -> str
 def limits_by_mode(record: Record, words: Catalogue) -> Iterator[Block]:
     """Yield the limits after the usual machining modes."""
 
-    def bound(mode: ModeLimitsEntry) -> Words:
-        """What bounds it, or why it has no values and what band it could have."""
-        if not mode.reason or mode.attainable is None:
-            return mode.reason or mode.bound_by
-        least, reason = show(mode.attainable, words, "m"), words.say(mode.reason)
-        return words.text("attainable-band", reason=reason, band=least)
-
     def name(mode: ModeLimitsEntry) -> str:
         return words.known(f"machining-{mode.name}", mode.name)
 
@@ -140,10 +133,14 @@ def limits_by_mode(record: Record, words: Catalogue) -> Iterator[Block]:
         Quantity("jerk", jerk, "", width=1.7),
         replace(JERK_TIME, width=1.2),
         replace(SETTLING, width=1.2),
-        Quantity("bound-by-column", bound, width=1.9),
         Quantity("meets", "meets_requirements", width=0.8),
     )
-    yield table(words, "machining-caption", columns, record.limits.modes)
+    modes = record.limits.modes
+    yield table(words, "machining-caption", columns, modes)
+    for mode in modes:
+        if not mode.meets_requirements:
+            least = "none" if mode.attainable is None else show(mode.attainable, words, "m")
+            yield note(words.text("mode-not-met", mode=name(mode), band=least))
 
 
 def rules(record: Record, words: Catalogue) -> Iterator[Block]:

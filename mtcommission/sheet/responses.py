@@ -45,9 +45,6 @@ from mtcommission.sheet.verdict import find_band, move_title, reference_sentence
 MOST_CHANGES = 5
 """Changes that are listed; those that bring less are named."""
 
-WORTH = 1e-3
-"""Share of the settling time from which a change is listed; nobody builds for less."""
-
 NO_BAND = ("band-saves-nothing", "band-wider-than-move", "band-optimum-failed")
 """Remarks on why there is no optimum with the band in place of exact rest."""
 
@@ -119,8 +116,7 @@ def _improvements(record: Record, words: Catalogue) -> Iterator[Block]:
     text, found = words.text, record.limits.would_bring
     if not found:
         return
-    gains = [item for item in found if item.settling_time is not None or not item.outcome]
-    gains = [item for item in gains if item.share is None or item.share >= WORTH][:MOST_CHANGES]
+    gains = [item for item in found if not item.outcome][:MOST_CHANGES]
     rest = [words.say(item.change) for item in found if item not in gains]
 
     def share(item: ImprovementEntry) -> str | None:
@@ -131,7 +127,7 @@ def _improvements(record: Record, words: Catalogue) -> Iterator[Block]:
         SETTLING,
         Quantity("improvement-saved", "saved", "s"),
         Quantity("improvement-share", share, "%"),
-        Quantity("meets", lambda item: item.outcome or item.meets_requirements, width=2.2),
+        Quantity("meets", "meets_requirements"),
     )
     said = text("improvements-note", loop="none" if record.machine.follows else "tuned")
     if rest:

@@ -221,10 +221,16 @@ def assumed_and_binding(record: Record, words: Catalogue) -> Iterator[str]:
 
 def _with_another(record: Record, name: str, words: Catalogue) -> str:
     for item in record.limits.would_bring:
-        if item.name == name and item.meets_requirements and item.saved and item.saved > 0.0:
+        if item.name != name:
+            continue
+        given = []
+        if item.meets_requirements and item.saved and item.saved > 0.0:
             accelerations = [part.values.get("acceleration") for part in parts_of(item.change)]
             given = [show(a, words, "m/s^2") for a in accelerations if isinstance(a, float)]
             given.append(SETTLING.show(item, words))
+        elif isinstance(item.outcome, Message) and item.outcome.kind == "change-saves-little":
+            given.append(words.say(item.outcome))
+        if given:
             said = words.say(item.change)
             return words.text("another-gives", change=said, given=", ".join(given))
     return words.text("another-unknown")

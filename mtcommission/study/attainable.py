@@ -18,7 +18,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import inf, isfinite, sqrt
 
-from mtcommission.base.messages.message import Message
 from mtcommission.limits.choose import Choice
 from mtcommission.limits.explore import REFINED
 from mtcommission.limits.judge import Candidate
@@ -33,13 +32,10 @@ from mtcommission.machine.machine import Machine
 from mtcommission.machine.requirements import NO_RESERVE
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.settings import STUDY
-from mtcommission.study.variations import Row, choose, judge, look
+from mtcommission.study.variations import Row, judge, look
 
 EASED = 1.0 + 1e-6
 """The bounds with which attained values are judged, over these values."""
-
-NO_LIMITS = Message("no-limits-with-this-band")
-"""Why a mode has no values."""
 
 MODES = ("surface", "accuracy", "speed")
 
@@ -152,7 +148,6 @@ class ModeLimits:
     name: str  # one of ``MODES``
     band: float  # allowed residual deviation [m]
     candidate: Candidate  # the limits, judged with this band
-    bound_by: Message  # what forbids faster limits
     attainable: Attainable | None  # the least residual found where no limits meet all requirements
 
 
@@ -185,23 +180,20 @@ def find_limits_by_mode(
 def _find_mode(
     machine: Machine, tuned: TunedLoop, choice: Choice, name: str, largest_jerk: float
 ) -> ModeLimits:
-    needs, chosen, bound_by = machine.requirements, choice, choice.bound_by
+    needs, candidate = machine.requirements, choice.candidate
     band: float = getattr(needs.modes, name)
     if band != needs.tcp_deviation:
         # A wider band's limits lie about the recommended ones, a tighter one's may lie anywhere.
         near = choice.limits if band > needs.tcp_deviation else None
         machine = RESIDUAL_DEVIATION.with_bound(machine, band)
         row = Row(machine=machine, tuned=tuned, near=near, largest_jerk=largest_jerk)
-        chosen = choose(row)
-        bound_by = chosen.bound_by
-        if not chosen.meets_requirements and isfinite(largest_jerk):
-            chosen = choose(replace(row, largest_jerk=inf))
-            bound_by = Message("bound-by-less-jerk-meets-nothing", jerk=largest_jerk)
-    is_met = chosen.meets_requirements
+        candidate = judge(row)
+        if not candidate.assessment.is_met and isfinite(largest_jerk):
+            candidate = judge(replace(row, largest_jerk=inf))
+    is_met = candidate.assessment.is_met
     return ModeLimits(
         name=name,
         band=band,
-        candidate=chosen.candidate,
-        bound_by=bound_by,
+        candidate=candidate,
         attainable=None if is_met else find_least_residual(machine, tuned),
     )

@@ -1,20 +1,22 @@
-"""Potential improvements: what to order or rebuild, by the settling time that each change saves.
+"""Potential improvements: what to switch on, measure or order, by the settling time that it saves.
 
 Each change is a row: the machine with one thing changed, the loop that is used tuned again on it
-with the same ratios of Kv and Tn to Kp, and limits chosen near the recommended ones. Nothing is
-estimated: what cannot be computed is said.
+with the same ratios of Kv and Tn to Kp, and limits chosen near the recommended ones. What the
+search sees save next to nothing is not judged. Nothing is estimated: what cannot be computed is
+said.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from math import ceil, floor, inf, log10, sqrt
+from math import ceil, floor, inf, log10
 
 from mtcommission.base.errors import ComputationError
 from mtcommission.base.messages.message import Message, parts_of
 from mtcommission.controls.kind import PositionLoop
 from mtcommission.limits.choose import Choice
+from mtcommission.limits.explore import REFINED
 from mtcommission.limits.judge import Candidate, MoveResult
 from mtcommission.limits.requirements import RMS_FORCE
 from mtcommission.loop.tuning.family import (
@@ -29,9 +31,11 @@ from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine
 from mtcommission.study.loops import WITH, LoopChoice, with_filters
 from mtcommission.study.settings import STUDY
-from mtcommission.study.variations import Row, choose, judge
+from mtcommission.study.variations import Row, choose, judge, look
 
 ROUNDING = 1e-9
+
+SAVES_LITTLE = Message("change-saves-little", share=STUDY.worth)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,7 +46,7 @@ class Improvement:
     settling_time: float = inf  # slowest move, worst corner, limits chosen for it [s]; inf: not
     saved: float = -inf  # less than with the recommendation [s]; negative: it takes longer
     meets_requirements: bool = False
-    outcome: Message | None = None  # why there is no number, or what was not judged
+    outcome: Message | None = None  # why there is no number, or that it hardly helps
 
 
 def find_improvements(
@@ -107,25 +111,13 @@ def _changes(machine: Machine) -> Iterator[_Change]:
     if kind.setpoint_filters and not control.seeks_setpoint_filter:
         sought = {"setpoint_filter": None, "seeks_setpoint_filter": True}
         yield of_control("change-setpoint-filter", is_near=False, **sought)
-    needs, mechanics, spread = machine.requirements, machine.mechanics, STUDY.known_spread
+    needs, spread = machine.requirements, STUDY.known_spread
     if needs.frequency_spread > spread:
         known = replace(machine, requirements=replace(needs, frequency_spread=spread))
         yield Message("change-spread", spread=spread), known, True
-    part = STUDY.part
-    stiffer = mechanics.vary(
-        payload=0.0, payload_radius=0.0, frequency=sqrt(1.0 + part), damping=1.0
-    )
-    yield Message("change-stiffer", share=part), replace(machine, mechanics=stiffer), True
-    if drive.follows:
-        return
-    faster = replace(drive, force_lag=0.5 * drive.force_lag)
-    yield Message("change-lag"), replace(machine, drive=faster), True
-    less = part * mechanics.moving_mass
-    lighter = mechanics.vary(payload=-less, payload_radius=0.0, frequency=1.0, damping=1.0)
-    fed = control.feedforward_mass
-    adapted = replace(control, feedforward_mass=None if fed is None else fed - less)
-    lighter_machine = replace(machine, mechanics=lighter, control=adapted)
-    yield Message("change-lighter", share=part), lighter_machine, True
+    if not drive.follows:
+        faster = replace(drive, force_lag=0.5 * drive.force_lag)
+        yield Message("change-lag"), replace(machine, drive=faster), True
 
 
 def _improve(
@@ -143,19 +135,27 @@ def _improve(
             is_filter = change.kind == "change-force-filters"
             why = Message("change-no-filters" if is_filter else "change-without-margins")
             return Improvement(change=change, outcome=why)
-        near = choice.limits if is_near else None
-        found = judge(Row(machine=machine, tuned=tuned, near=near))
-        return _compared(change, found, choice)
+        row = Row(machine=machine, tuned=tuned, near=choice.limits if is_near else None)
+        if not choice.meets_requirements or choice.reserve_used:
+            return _compared(change, judge(row), choice)
+        known, delay = choice.candidate.settling_time, tuned.controller.reference_delay
+        seen = look(replace(row, refined=1 if is_near else REFINED))
+        if not seen or seen[0].duration + delay > (1.0 - STUDY.worth) * known:
+            return Improvement(change=change, outcome=SAVES_LITTLE)
+        return _compared(change, judge(replace(row, found=seen)), choice)
     except ComputationError as error:
         return Improvement(change=change, outcome=error.message)
 
 
 def _compared(change: Message, found: Candidate, choice: Choice) -> Improvement:
+    known = choice.candidate.settling_time
+    is_little = choice.meets_requirements and found.settling_time > (1.0 - STUDY.worth) * known
     return Improvement(
         change=change,
         settling_time=found.settling_time,
-        saved=choice.candidate.settling_time - found.settling_time,
+        saved=known - found.settling_time,
         meets_requirements=found.assessment.is_met,
+        outcome=SAVES_LITTLE if is_little else None,
     )
 
 

@@ -24,9 +24,9 @@ class StudySettings:
     too_dear: float = 1.03  # unless their price at a first look is beyond that of the least one
     push_time: float = 0.3  # of the response to a step of force [s]
     other_filter: float = 0.6  # how far about it another filter may serve the listed sizes [-]
-    # Improvements: what may be known of a machine, or reached by a redesign.
+    # Improvements.
     known_spread: float = 0.02  # frequencies of a machine whose modes were measured [-]
-    part: float = 0.1  # by which the machine is made stiffer or lighter [-]
+    worth: float = 0.01  # a change that saves less of the time is not judged [-]
     long_rest: float = 3600.0  # with which no move heats the motor [s]
     rest_tries: int = 4  # how often a rest that does not suffice yet is made longer,
     rest_factor: float = 1.5  # and by how much

@@ -8,8 +8,6 @@ bound-by-motor = keine Anforderung; mehr als die eigene Beschleunigung des Motor
 bound-by-ceiling = eine praktische Obergrenze für Drucker, { ACCELERATION($acceleration) } (angenommen)
 bound-in-state = { $what } (Zustand { $state })
 bound-by-settling-later = Einschwingzeit (höhere Grenzwerte schwingen später ein)
-bound-by-jerk-in-proportion = Ruck im Verhältnis zum Band (höchstens { JERK($jerk) })
-bound-by-less-jerk-meets-nothing = mehr Ruck als mit breiterem Band: bis { JERK($jerk) } hielt nichts dieses ein
 ceiling-source = { $kind ->
     [marlin] Für Marlin gibt es keine solche Liste; es ist die größte in den Beispielkonfigurationen von Klipper (die meisten haben 3 m/s²).
    *[other] Keine Beispielkonfiguration von Klipper hat mehr (die meisten 3 m/s²).

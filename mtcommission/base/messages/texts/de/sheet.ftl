@@ -159,7 +159,11 @@ machining-accuracy = Genauigkeit
 machining-speed = Geschwindigkeit (Schruppen)
 permitted-band = Band
 bound-by-column = Begrenzt durch
-attainable-band = { $reason }; erreichbar wäre ein Band von { $band }
+# $band: that could be met, or none
+mode-not-met = { $mode }: Mit diesem Band wurden keine Grenzwerte gefunden, die alle Anforderungen erfüllen{ $band ->
+    [none] .
+   *[other] ; erreichbar wäre ein Band von { $band }.
+}
 alternatives-caption = Grenzwerte nebeneinander, in derselben Simulation (ungünstigste Bewegung, ungünstigster Eckfall)
 listed-short = Nur für die angegebenen Größen
 limits-missed = Nicht alle Anforderungen erfüllen { $count } weitere Grenzwerte, Optima und Faustregeln: siehe Anhang.

@@ -45,7 +45,6 @@ frequency-end = { CHANGE($error) }
 frequency-end-at-least = mindestens { CHANGE($error) }
 missed-where-lower = { $requirement } (wo sie tiefer liegen)
 missed-where-higher = { $requirement } (wo sie höher liegen)
-no-limits-with-this-band = es wurden keine Grenzwerte gefunden, die mit diesem Band alle Anforderungen erfüllen
 
 # the paper's comparison
 control-time-optimal = zeitoptimal
@@ -72,12 +71,8 @@ change-lag = Halbe Verzögerung der { word-force-before }regelung
 change-dwell = Ruhezeit ab { TIME($dwell) } je Bewegung
 change-rest = Längere Ruhezeit nach jeder Bewegung
 change-spread = Frequenzen auf ± { SHARE($spread) } gemessen
-change-stiffer = Alle Eigenformen { SHARE($share) } steifer
-change-lighter = { $axis ->
-    [rotary] Bewegte Trägheit { SHARE($share) } kleiner
-   *[linear] Bewegte Masse { SHARE($share) } kleiner
-}
 change-state-feedback = Zustandsregelung mit Beobachter
+change-saves-little = spart weniger als { SHARE($share) } der Einschwingzeit
 change-without-margins = kein Kp hält die Reserven ein
 
 # Was eine Python-Konsole und ein Notebook zeigen

@@ -10,8 +10,6 @@ bound-by-motor = no requirement; more than the motor's own acceleration less the
 bound-by-ceiling = a practical ceiling for printers, { ACCELERATION($acceleration) } (assumed)
 bound-in-state = { $what } (state { $state })
 bound-by-settling-later = settling time (higher limits settle later)
-bound-by-jerk-in-proportion = jerk in proportion to the band (at most { JERK($jerk) })
-bound-by-less-jerk-meets-nothing = more jerk than with a wider band: up to { JERK($jerk) } nothing met this one
 # $kind: key of a control for printers
 ceiling-source = { $kind ->
     [marlin] There is no such list for Marlin; it is the most in Klipper's sample configurations (most have 3 m/s²).

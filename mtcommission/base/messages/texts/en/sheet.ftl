@@ -153,7 +153,11 @@ machining-accuracy = Accuracy
 machining-speed = Speed (roughing)
 permitted-band = Band
 bound-by-column = Bound by
-attainable-band = { $reason }; a band of { $band } could be met
+# $band: that could be met, or none
+mode-not-met = { $mode }: no limits were found that meet all requirements with this band{ $band ->
+    [none] .
+   *[other] ; a band of { $band } could be met.
+}
 alternatives-caption = Limits beside each other, in the same simulation (worst move, worst corner)
 listed-short = For the listed sizes only
 limits-missed = Not all requirements are met by { $count } other limits, optima and rules of thumb: see the appendix.

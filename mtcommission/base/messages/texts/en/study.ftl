@@ -46,7 +46,6 @@ frequency-end = { CHANGE($error) }
 frequency-end-at-least = at least { CHANGE($error) }
 missed-where-lower = { $requirement } (where they are lower)
 missed-where-higher = { $requirement } (where they are higher)
-no-limits-with-this-band = no limits were found that meet all requirements with this band
 
 # the paper's comparison
 control-time-optimal = time-optimal
@@ -70,12 +69,8 @@ change-lag = Half the lag of the { word-force } loop
 change-dwell = Rest of { TIME($dwell) } or more after each move
 change-rest = Longer rest after each move
 change-spread = Frequencies measured to ± { SHARE($spread) }
-change-stiffer = Stiffness { SHARE($share) } higher, all modes
-change-lighter = { $axis ->
-    [rotary] Moving inertia { SHARE($share) } lower
-   *[linear] Moving mass { SHARE($share) } lower
-}
 change-state-feedback = State feedback with an observer
+change-saves-little = saves less than { SHARE($share) } of the settling time
 change-without-margins = no Kp keeps the margins
 
 # What a Python prompt and a notebook show
