@@ -18,7 +18,7 @@ from mtcommission.loop.model.controller import Controller
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import VelocityStep
 from mtcommission.machine.setpoint_filter import SetpointFilter
-from tests.independent_loop import profile_of, run, shaper
+from tests.independent_loop import profile_of, run
 
 Array = NDArray[np.float64]
 
@@ -40,7 +40,7 @@ class Filtered:
         if item is None:
             return self.plain(t)
         if item.frequency_hz:
-            pairs = zip(*shaper(item.kind, item.frequency_hz, item.damping_ratio), strict=True)
+            pairs = zip(*item.impulses, strict=True)
             return np.sum([share * self.plain(t - delay) for delay, share in pairs], axis=0)
         return self._mean(t, tuple(T for T in (item.time, item.second_time) if T))
 

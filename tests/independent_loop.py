@@ -1,153 +1,105 @@
-"""The feedback loop once more, written from its description alone.
+"""The feedback loop once more, by the letter of docs/feedback-loop.md: from a record, or a machine.
 
-Shares no code with the package: the machine's and the controller's numbers are read, all else
-is done here in another way. The plant is solved in closed form between velocity cycles, in
-one complex number per mode; the controller is scalar code, cycle by cycle; the setpoint is a
-sum of cubics.
+Shares no code with the package, whose numbers are read: the plant is written down anew and advanced
+by a matrix exponential, the controller step by step in the page's order, the setpoint is a sum of
+cubics.
 """
 
 from __future__ import annotations
 
-from bisect import bisect_left
-from cmath import exp
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from math import comb, cos, pi, sqrt, tanh
-from typing import Protocol
+from functools import cached_property
+from math import exp, factorial, floor, inf, sqrt, tanh
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import BPoly, CubicHermiteSpline
-from scipy.optimize import brentq, minimize_scalar
+from scipy.linalg import expm
+from scipy.optimize import brentq
 
 from mtcommission.controls.kind import PositionLoop
-from mtcommission.loop.model.controller import Controller
+from mtcommission.loop.model.controller import NO_OBSERVER, Controller, Observer
 from mtcommission.machine.control import ForceFilter
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Move, VelocityStep
 from mtcommission.machine.plant.manipulator import Manipulator
-from mtcommission.machine.setpoint_filter import HUMPS, SetpointFilter, shape
+from mtcommission.machine.setpoint_filter import SetpointFilter
 
 Array = NDArray[np.float64]
+Json = dict[str, Any]
 
+ROUNDING = 1e-9
 
 SLICES, CREEP = 10, 2e-5
 """Of a velocity cycle in which friction is constant, and the velocity at which it has turned
 [m/s]."""
 
 
-@dataclass(slots=True)
-class Vibration:
-    """One mode: w = q' - conj(p) q, so that w' = p w + F, q = Im w / Im p."""
-
-    pole: complex
-    tool: float
-    encoder: float
-    scale: float
-    w: complex = 0.0
-
-    @property
-    def q(self) -> float:
-        return self.w.imag / self.pole.imag
-
-    @property
-    def rate(self) -> float:
-        return self.w.real + self.pole.real * self.q
-
-    def place(self, q: float, rate: float) -> None:
-        self.w = complex(rate - self.pole.real * q, self.pole.imag * q)
-
-
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class Axis:
-    """Rigid mass, force lag and modes, advanced exactly under a constant set force."""
+    """x' = A x + B F_set, and the rows of tool and encoder; the last state is the force."""
 
-    names: tuple[str, ...]
-    mass: float
-    lag: float
-    modes: list[Vibration]
-    slots: list[tuple[int, int]]
-    rigid: tuple[int, int]
-    x: float = 0.0
-    v: float = 0.0
-    F: float = 0.0
+    A: Array
+    B: Array
+    tool: Array
+    encoder: Array
 
-    def advance(self, u: float, h: float, push: float = 0.0) -> None:
-        """Set force u and a constant push beside the motor, for the time h."""
-        T, excess = self.lag, self.F - u
-        fade = exp(-h / T).real
-        self.F = u + excess * fade
-        u += push
-        self.x += self.v * h + (u * h * h / 2 + excess * T * (h - T * (1 - fade))) / self.mass
-        self.v += (u * h + excess * T * (1 - fade)) / self.mass
-        for mode in self.modes:
-            p, turn = mode.pole, exp(mode.pole * h)
-            mode.w = turn * mode.w + u * (turn - 1) / p + excess * (turn - fade) / (p + 1 / T)
+    def over(self, T: float) -> tuple[Array, Array, Array]:
+        """State, set force and a force beside the motor, held for a time, to the state after."""
+        n = len(self.B)
+        beside = np.append(self.A[:-1, -1], 0.0)
+        joint = np.zeros((n + 2, n + 2))
+        joint[:n] = np.column_stack([self.A, self.B, beside])
+        flow = expm(T * joint)
+        return flow[:n, :n], flow[:n, n], flow[:n, n + 1]
 
-    def state(self) -> Array:
-        state = np.zeros(len(self.names))
-        state[list(self.rigid)] = self.x, self.v
-        for mode, (place, rate) in zip(self.modes, self.slots, strict=True):
-            state[place], state[rate] = mode.scale * mode.q, mode.scale * mode.rate
-        state[-1] = self.F
-        return state
+    def wanted(self, m: float) -> Callable[[Array], Array]:
+        """Rigid motion along the setpoint, every mode at its static deflection under m a.
 
-    def put(self, state: Array) -> None:
-        self.x, self.v = (float(state[i]) for i in self.rigid)
-        for mode, (place, rate) in zip(self.modes, self.slots, strict=True):
-            mode.place(float(state[place]) / mode.scale, float(state[rate]) / mode.scale)
-        self.F = float(state[-1])
-
-    @property
-    def encoder(self) -> float:
-        return self.x + sum(mode.encoder * mode.q for mode in self.modes)
-
-    @property
-    def encoder_rate(self) -> float:
-        return self.v + sum(mode.encoder * mode.rate for mode in self.modes)
-
-    @property
-    def tool(self) -> float:
-        return self.x + sum(mode.tool * mode.q for mode in self.modes)
+        The equations tell which states are which: a position is a state whose rate is another
+        state; it is the rigid one if nothing draws it back.
+        """
+        A, F = self.A, len(self.B) - 1
+        by = np.zeros((F + 1, 4))
+        by[F, 2] = m
+        for place in range(F):
+            rate = np.flatnonzero(A[place] == 1.0)
+            if rate.size != 1 or np.count_nonzero(A[place]) != 1 or rate[0] == F:
+                continue
+            if A[rate[0], place] == 0.0:
+                by[place, 0] = by[rate[0], 1] = 1.0
+            else:
+                by[place, 2] = by[rate[0], 3] = -m * A[rate[0], F] / A[rate[0], place]
+        assert self.encoder @ by[:, 0] == 1.0
+        return lambda r: by @ r
 
 
 def axis_of(machine: Machine) -> Axis:
-    """The machine at rest."""
-    parts, lag = machine.mechanics, machine.drive.force_lag
+    """Equation (1) of the paper, or q'' + 2 zeta omega q' + omega² q = F for every mode."""
+    parts, T = machine.mechanics, machine.drive.force_lag
     if isinstance(parts, Manipulator):
-        base = _pole(parts.base_mass, parts.base_damping, parts.base_stiffness)
-        tower = _pole(parts.rotary_inertia, parts.rotary_damping, parts.rotary_stiffness)
-        lever = parts.lever_arm / parts.rotary_inertia
-        return Axis(
-            names=("x_b", "x_s", "phi", "v_b", "v_s", "v_phi", "F"),
-            mass=parts.slider_mass,
-            lag=lag,
-            modes=[
-                Vibration(base, 1 / parts.base_mass, 1 / parts.base_mass, -1 / parts.base_mass),
-                Vibration(tower, parts.tcp_height * lever, 0.0, lever),
-            ],
-            slots=[(0, 3), (2, 5)],
-            rigid=(1, 4),
-        )
-    names = ["x", "v"]
-    modes = []
-    for mode in parts.modes:
-        names += [f"q_{mode.name}", f"v_{mode.name}"]
-        omega, zeta = mode.natural_frequency, mode.damping_ratio
-        pole = _pole(1.0, 2 * zeta * omega, omega**2)
-        modes.append(Vibration(pole, mode.tcp_gain, mode.measured_gain, 1.0))
-    return Axis(
-        names=(*names, "F"),
-        mass=parts.moving_mass,
-        lag=lag,
-        modes=modes,
-        slots=[(2 * i + 2, 2 * i + 3) for i in range(len(modes))],
-        rigid=(0, 1),
-    )
-
-
-def _pole(mass: float, damping: float, stiffness: float) -> complex:
-    return complex(-damping, sqrt(4 * mass * stiffness - damping**2)) / (2 * mass)
+        p = parts
+        A = np.zeros((7, 7))
+        A[[0, 1, 2], [3, 4, 5]] = 1.0
+        A[3, [0, 3, 6]] = -np.array([p.base_stiffness, p.base_damping, 1.0]) / p.base_mass
+        A[4, 6] = 1.0 / p.slider_mass
+        A[5, [2, 5, 6]] = -p.rotary_stiffness, -p.rotary_damping, p.lever_arm
+        A[5] /= p.rotary_inertia
+        tool = np.array([-1.0, 1.0, p.tcp_height, 0.0, 0.0, 0.0, 0.0])
+        encoder = np.array([-1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    else:
+        n = 3 + 2 * len(parts.modes)
+        A, tool, encoder = np.zeros((n, n)), np.zeros(n), np.zeros(n)
+        A[0, 1], A[1, -1] = 1.0, 1.0 / parts.moving_mass
+        tool[0] = encoder[0] = 1.0
+        for q, mode in zip(range(2, n, 2), parts.modes, strict=False):
+            omega = mode.natural_frequency
+            A[q, q + 1] = 1.0
+            A[q + 1, [q, q + 1, -1]] = -(omega**2), -2 * mode.damping_ratio * omega, 1.0
+            tool[q], encoder[q] = mode.tcp_gain, mode.measured_gain
+    A[-1, -1] = -1.0 / T
+    return Axis(A, np.append(np.zeros(len(A) - 1), 1.0 / T), tool, encoder)
 
 
 class Moving(Protocol):
@@ -156,12 +108,12 @@ class Moving(Protocol):
     def at(self, t: float) -> Array: ...
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Profile:
     """Cubics switched on one after another; perhaps behind sliding means."""
 
-    knots: tuple[float, ...]
-    jerks: tuple[float, ...]
+    knots: Sequence[float]
+    jerks: Sequence[float]  # steps of the jerk at the knots
     means: tuple[float, ...] = ()
 
     @property
@@ -170,14 +122,18 @@ class Profile:
 
     def at(self, t: float) -> Array:
         """x, v, a, j."""
-        if t < -1e-9:
+        if t < -ROUNDING:
             return np.zeros(4)
-        if t > self.end - 1e-9:
-            last = self._values(self.end)
-            return np.array([last[0] + last[1] * (t - self.end), last[1], 0.0, 0.0])
-        return self._values(t)
+        if t > self.end - ROUNDING:
+            x, v = self._last
+            return np.array([x + v * (t - self.end), v, 0.0, 0.0])
+        return self._inside(t)
 
-    def _values(self, t: float) -> Array:
+    @cached_property
+    def _last(self) -> Array:
+        return self._inside(self.end)[:2]
+
+    def _inside(self, t: float) -> Array:
         count = len(self.means)
         return self._powers(t, self.means)[2 - count : 6 - count]
 
@@ -186,111 +142,36 @@ class Profile:
         if means:
             T, rest = means[0], means[1:]
             return (self._powers(t, rest) - self._powers(t - T, rest))[:-1] / T
-        total = np.zeros(6)
-        for knot, jerk in zip(self.knots, self.jerks, strict=True):
-            s = t - knot
-            if s >= -1e-9:
-                powers = [s**5 / 120, s**4 / 24, s**3 / 6, s**2 / 2, s, 1.0]
-                total += jerk * np.array(powers)
-        return total
+        s = t - np.asarray(self.knots)
+        on = np.asarray(self.jerks) * (s >= -ROUNDING)
+        return np.array([on @ s**k / factorial(k) for k in (5, 4, 3, 2, 1, 0)])
 
     def copied(self, delays: Sequence[float], shares: Sequence[float]) -> Profile:
         """The sum of copies, so much later and so large."""
-        both = [
-            (knot + delay, jerk * share)
-            for delay, share in zip(delays, shares, strict=True)
-            for knot, jerk in zip(self.knots, self.jerks, strict=True)
-        ]
-        knots, jerks = zip(*sorted(both), strict=True)
-        return replace(self, knots=knots, jerks=jerks)
+        knots = np.add.outer(delays, self.knots).ravel()
+        jerks = np.outer(shares, self.jerks).ravel()
+        order = np.argsort(knots)
+        return replace(self, knots=knots[order].tolist(), jerks=jerks[order].tolist())
 
 
 def profile_of(move: Move, a: float, j: float, *, means: tuple[float, ...] = ()) -> Profile:
     """The seven-segment profile (four for a velocity step)."""
     if isinstance(move, VelocityStep):
-        rise = _rise(move.velocity_step, a, j)
-        return Profile(knots=rise, jerks=(j, -j, -j, j), means=means)
+        return Profile(_rise(move.velocity_step, a, j), (j, -j, -j, j), means)
 
     def shortest(v: float) -> float:
         return v * _rise(v, a, j)[-1]  # up and down again
 
     top = move.max_velocity
-    if top == float("inf") or shortest(top) > move.distance:
+    if top == inf or shortest(top) > move.distance:
         high = 1.0
         while shortest(high) < move.distance:
             high *= 2.0
         top = float(brentq(lambda v: shortest(v) - move.distance, 1e-12, high, xtol=1e-15))
     rise = _rise(top, a, j)
     down = max(move.distance / top, rise[-1])
-    return Profile(
-        knots=(*rise, *(down + t for t in rise)), jerks=(j, -j, -j, j, -j, j, j, -j), means=means
-    )
-
-
-def behind(profile: Profile, item: SetpointFilter | None) -> Profile:
-    """The setpoint that a control with this filter sends."""
-    if item is None:
-        return profile
-    if item.frequency_hz:
-        return profile.copied(*shaper(item.kind, item.frequency_hz, item.damping_ratio))
-    if item.taps:
-        return profile.copied([n * item.spacing for n in range(len(item.taps))], item.taps)
-    return replace(profile, means=tuple(T for T in (item.time, item.second_time) if T))
-
-
-def shaper(kind: str, f: float, zeta: float) -> tuple[list[float], list[float]]:
-    """Delays and shares; classical EI from its condition: no hump above 5 %.
-
-    Klipper's EI is a fit whose own test says how well it meets the damped condition.
-    """
-    if kind in ("ei", *HUMPS):
-        fitted = shape(kind, frequency_hz=f, damping_ratio=zeta)
-        return list(fitted.delays), list(fitted.shares)
-    period = 1 / (f * sqrt(1 - zeta**2))
-    apart, fading = 0.5 * period, 0.5 * period
-    name = kind.removeprefix("marlin_")
-    if name == "mzv":
-        apart, plain = 0.375 * period, [1 - sqrt(0.5), sqrt(2) - 1, 1 - sqrt(0.5)]
-    elif name.startswith("zv"):
-        order = len(name) - 1
-        plain = [float(comb(order, n)) for n in range(order + 1)]
-    else:
-        plain = _with_humps({"e": 1, "2": 2, "3": 3}[name[0]], 0.05)
-    if name == kind:
-        fading = apart
-    else:  # Marlin samples every millisecond; LROUND rounds halves up
-        apart = 1e-3 * int(1e3 * apart + 0.5)
-    fade = [exp(-2 * pi * f * zeta * fading * n).real for n in range(len(plain))]
-    total = sum(share * c for share, c in zip(plain, fade, strict=True))
-    shares = [share * c / total for share, c in zip(plain, fade, strict=True)]
-    return [n * apart for n in range(len(plain))], shares
-
-
-def _with_humps(count: int, V: float) -> list[float]:
-    if count == 1:
-        return [(1 + V) / 4, (1 - V) / 2, (1 + V) / 4]
-
-    def shares(a: float) -> list[float]:
-        if count == 2:
-            return [a, 0.5 - a, 0.5 - a, a]
-        b = (1 - V) / 4
-        return [a, b, 1 - 2 * (a + b), b, a]
-
-    def excess(a: float) -> float:
-        """The hump beside the design frequency, over what it may be."""
-        own = shares(a)
-
-        def left(r: float) -> float:
-            middle = (len(own) - 1) / 2
-            # From 0 with two humps, from V with three; the next extreme is the other way.
-            sign = -1 if count == 2 else 1
-            return sign * sum(s * cos(pi * r * (n - middle)) for n, s in enumerate(own))
-
-        best = minimize_scalar(left, bounds=(1.0, 1.4), method="bounded", options={"xatol": 1e-11})
-        return float(-best.fun - V)
-
-    between = (0.13, 0.19) if count == 2 else (0.1, 0.13)
-    return shares(float(brentq(excess, *between, xtol=1e-14)))
+    knots = (*rise, *(down + t for t in rise))
+    return Profile(knots, (j, -j, -j, j, -j, j, j, -j), means)
 
 
 def _rise(v: float, a: float, j: float) -> tuple[float, float, float, float]:
@@ -300,228 +181,293 @@ def _rise(v: float, a: float, j: float) -> tuple[float, float, float, float]:
     return 0.0, half, half, 2 * half
 
 
+def behind(profile: Profile, item: SetpointFilter | None) -> Profile:
+    """The setpoint that a control with this filter sends."""
+    if item is None:
+        return profile
+    means = tuple(T for T in (item.time, item.second_time) if T)
+    return replace(profile, means=means).copied(*(item.impulses or ((0.0,), (1.0,))))
+
+
+def profile_of_record(move: Json) -> Profile:
+    """Of the segments of a move in a record."""
+    entry = move["setpoint"]
+    lengths = [segment["duration"] for segment in entry["segments"]]
+    jerks = [segment["jerk"] for segment in entry["segments"]]
+    knots = np.concatenate([[0.0], np.cumsum(lengths)])
+    plain = Profile(knots.tolist(), np.diff(jerks, prepend=0.0, append=0.0).tolist())
+    item = entry["setpoint_filter"]
+    if item is None:
+        return plain
+    means = tuple(item[key] for key in ("time", "second_time") if item[key])
+    return replace(plain, means=means).copied(item["delays"], item["shares"])
+
+
+class Delayed:
+    """The setpoint between samples of the position cycle, as the control interpolates it."""
+
+    def __init__(self, profile: Moving, T: float) -> None:
+        self.profile, self.T, self.known = profile, T, dict[int, Array]()
+
+    def sample(self, n: int) -> Array:
+        if n not in self.known:
+            self.known[n] = self.profile.at(n * self.T)
+        return self.known[n]
+
+    def __call__(self, t: float) -> Array:
+        T, n = self.T, floor(t / self.T + ROUNDING)
+        u = t / T - n
+        if u < ROUNDING:
+            return self.sample(n)
+        (x0, v0, a0, j0), (x1, v1, a1, j1) = self.sample(n), self.sample(n + 1)
+        c = np.array([x0, T * v0, T * T * a0, x1, T * v1, T * T * a1])
+        h = [
+            1 - 10 * u**3 + 15 * u**4 - 6 * u**5,
+            u - 6 * u**3 + 8 * u**4 - 3 * u**5,
+            (u**2 - 3 * u**3 + 3 * u**4 - u**5) / 2,
+            10 * u**3 - 15 * u**4 + 6 * u**5,
+            -4 * u**3 + 7 * u**4 - 3 * u**5,
+            (u**3 - 2 * u**4 + u**5) / 2,
+        ]
+        slope = [
+            -30 * u**2 + 60 * u**3 - 30 * u**4,
+            1 - 18 * u**2 + 32 * u**3 - 15 * u**4,
+            (2 * u - 9 * u**2 + 12 * u**3 - 5 * u**4) / 2,
+            30 * u**2 - 60 * u**3 + 30 * u**4,
+            -12 * u**2 + 28 * u**3 - 15 * u**4,
+            (3 * u**2 - 8 * u**3 + 5 * u**4) / 2,
+        ]
+        return np.array([h @ c, slope @ c / T, (1 - u) * a0 + u * a1, (1 - u) * j0 + u * j1])
+
+
 class Biquad:
-    """One set-force filter by the bilinear transform, direct form II."""
+    """One set-force filter by the bilinear transform, as a difference equation."""
 
-    def __init__(self, item: ForceFilter, cycle: float) -> None:
-        w, d, c = item.natural_frequency, item.damping, 2 / cycle
-        if item.kind == "low_pass":
-            top, bottom = (0.0, 0.0, w * w), (1.0, 2 * d * w, w * w)
-        else:
-            top, bottom = (1.0, 2 * d * w, w * w), (1.0, 2 * item.width * w, w * w)
-        lead = bottom[0] * c * c + bottom[1] * c + bottom[2]
+    def __init__(self, item: ForceFilter, T_v: float) -> None:
+        w, d, c = item.natural_frequency, item.damping, 2 / T_v
+        low_pass = item.kind == "low_pass"
+        top = [0.0, 0.0, w * w] if low_pass else [1.0, 2 * d * w, w * w]
+        bottom = [1.0, 2 * (d if low_pass else item.width) * w, w * w]
         self.b, self.a = (
-            [
-                (s2 * c * c + s1 * c + s0) / lead,
-                2 * (s0 - s2 * c * c) / lead,
-                (s2 * c * c - s1 * c + s0) / lead,
-            ]
-            for s2, s1, s0 in (top, bottom)
+            [p * c * c + q * c + r, 2 * (r - p * c * c), p * c * c - q * c + r]
+            for p, q, r in (top, bottom)
         )
-        self.one = self.two = 0.0
+        self.u, self.y = [0.0, 0.0], [0.0, 0.0]
 
-    def pass_on(self, u: float) -> float:
-        now = u - self.a[1] * self.one - self.a[2] * self.two
-        y = self.b[0] * now + self.b[1] * self.one + self.b[2] * self.two
-        self.one, self.two = now, self.one
+    def __call__(self, u: float) -> float:
+        y = self.b[0] * u + self.b[1] * self.u[0] + self.b[2] * self.u[1]
+        y = (y - self.a[1] * self.y[0] - self.a[2] * self.y[1]) / self.a[0]
+        self.u, self.y = [u, self.u[0]], [y, self.y[0]]
         return y
 
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """Signals at every velocity cycle."""
+    """Signals at every velocity cycle, and the largest set force before its limit."""
 
     t: Array
     tool: Array
     encoder: Array
     force: Array
     states: Array
-    reference: Array
+    asked: float
 
 
 def run(
-    machine: Machine,
+    machine: Machine, gains: Controller, profile: Moving, *, nominal: Machine, **how: Any
+) -> Run:
+    """The machine under the cascade; ``nominal`` is what the controller believes it to be."""
+    return drive(axis_of(machine), gains, profile, nominal=axis_of(nominal), **how)
+
+
+def drive(
+    axis: Axis,
     gains: Controller,
     profile: Moving,
     *,
-    nominal: Machine,
+    nominal: Axis,
     samples: int,
-    force_limit: float = float("inf"),
+    force_limit: float = inf,
     push: float = 0.0,
     resolution: float = 0.0,
     phase: float = 0.0,
     coulomb: float = 0.0,
 ) -> Run:
-    """The machine under the cascade; ``nominal`` is what the controller believes it to be.
+    """Every velocity cycle.
 
     ``push`` is a force beside the motor from the beginning on, ``coulomb`` a friction. The encoder
     rounds to whole steps of ``resolution``; at the start it stands ``phase`` of a step beside one.
     """
-    axis, h, T_p = axis_of(machine), gains.velocity_cycle, gains.position_cycle
-    tau, K = gains.reference_delay, gains.state_gains
-    estimate, advance = _observer(gains, nominal)
-    biquads = [Biquad(item, h) for item in gains.force_filters]
-    integral = acting = modelled = last = 0.0
-    corrections = [0.0, 0.0]
-    out = []
-    for i in range(samples):
-        cycle, step = divmod(i, gains.cycles)
-        seen = axis.encoder
+    T_v, T_r, N = gains.velocity_cycle, gains.reference_model_time, gains.cycles
+    K, observer, place = gains.state_gains, gains.observer, gains.position_loop
+    seen = list(observer.states)
+    A_o, B_o, _ = nominal.over(T_v)
+    assert np.allclose(observer.A, A_o[np.ix_(seen, seen)], rtol=1e-9, atol=1e-12)
+    assert np.allclose(observer.B, B_o[seen], rtol=1e-9)
+    A, B, beside = axis.over(T_v / SLICES if coulomb else T_v)
+    rate = axis.encoder @ axis.A
+    hand_down = _position_cycle(profile, gains, nominal)
+    filters = [Biquad(item, T_v) for item in gains.force_filters]
+    X, estimate = np.zeros(len(axis.B)), np.zeros(len(seen))
+    z = modelled = before = F_set = asked = 0.0
+    computed = in_force = lambda _: (0.0, 0.0, 0.0)
+    noted = []
+    for k in range(samples):
+        y = float(axis.encoder @ X)
         if resolution:
-            seen = resolution * (round(seen / resolution + phase) - phase)
-        if step == 0:
-            error = delayed(profile, i * h - tau, T_p)[0] - seen
-            corrections = [corrections[1], gains.position_gain * error]
-            handed = _handed_down(profile, gains, nominal, (cycle - 1) * T_p)
-        x_wanted, v_wanted, f_wanted = handed(step * h)
-        out.append((axis.tool, seen, acting, *axis.state()))
-        correction = corrections[0]
-        if gains.position_loop is PositionLoop.DRIVE:
-            correction = gains.position_gain * (x_wanted - seen)
-        miss = correction + gains.velocity_feedforward * v_wanted - (seen - last) / h
-        last = seen
-        wanted = gains.velocity_gain * (miss + integral) + f_wanted - float(K @ estimate)
-        for biquad in biquads:
-            wanted = biquad.pass_on(wanted)
-        granted = min(max(wanted, -force_limit), force_limit)
-        if granted == wanted:
-            expected = modelled - correction if gains.reference_model_time else 0.0
-            integral += h / gains.integral_time * (miss + expected)
-        if gains.reference_model_time:
-            fade = exp(-h / gains.reference_model_time).real
-            modelled = fade * modelled + (1 - fade) * correction
-        measured = np.array([axis.tool if s == "tcp" else seen for s in gains.sensors])
-        estimate = advance(estimate, acting, measured)
-        if coulomb:
-            for _ in range(SLICES):
-                rubs = -coulomb * tanh(axis.encoder_rate / CREEP)
-                axis.advance(acting, h / SLICES, push + rubs)
-        else:
-            axis.advance(acting, h, push)
-        acting = granted
-    table = np.array(out)
-    t = np.arange(samples) * h
-    reference = np.array([profile.at(s - tau)[0] for s in t])
-    return Run(t, table[:, 0], table[:, 1], table[:, 2], table[:, 3:], reference)
+            y = resolution * (round(y / resolution + phase) - phase)
+        noted.append((axis.tool @ X, y, F_set, *X))
+        if k % N == 0:
+            in_force, computed = computed, hand_down(k // N, y)
+        c, v_set, f_set = in_force(k % N * T_v)
+        if place is PositionLoop.DRIVE:
+            c = gains.position_gain * (c - y)
+        error = c + gains.velocity_feedforward * v_set - (y - before) / T_v
+        u = gains.velocity_gain * (error + z) + f_set - float(K[seen] @ estimate)
+        for item in filters:
+            u = item(u)
+        F_next = min(max(u, -force_limit), force_limit)
+        asked = max(asked, abs(u))
+        if F_next == u:
+            z += T_v / gains.integral_time * (error + (modelled - c if T_r else 0.0))
+        if T_r:
+            modelled += (1 - exp(-T_v / T_r)) * (c - modelled)
+        if seen:
+            sensed = np.array([y if s == "encoder" else axis.tool @ X for s in gains.sensors])
+            estimate = (
+                observer.A @ estimate + observer.B * F_set
+                + observer.L @ (sensed - observer.C @ estimate)
+            )  # fmt: skip
+        for _ in range(SLICES if coulomb else 1):
+            rubs = -coulomb * tanh(rate @ X / CREEP) if coulomb else 0.0
+            X = A @ X + B * F_set + beside * (push + rubs)
+        F_set, before = F_next, y
+    table = np.array(noted)
+    columns = (table[:, 0], table[:, 1], table[:, 2], table[:, 3:])
+    return Run(np.arange(samples) * T_v, *columns, asked)
 
 
-def _handed_down(
-    profile: Moving, gains: Controller, nominal: Machine, now: float
-) -> Callable[[float], tuple[float, float, float]]:
-    """What was computed at ``now``: position, velocity and force, so long into the next cycle."""
-    T_p, h, K, m = (
-        gains.position_cycle,
-        gains.velocity_cycle,
-        gains.state_gains,
-        gains.feedforward_mass,
+def _position_cycle(
+    profile: Moving, gains: Controller, nominal: Axis
+) -> Callable[[int, float], Callable[[float], tuple[float, float, float]]]:
+    """What cycle n computes: c (the position where the loop is in the drive), v_set, f_set."""
+    T_p, T_v, tau = gains.position_cycle, gains.velocity_cycle, gains.reference_delay
+    m, K, D = gains.feedforward_mass, gains.state_gains, T_p + (T_p - T_v) / 2
+    late, wanted_of = Delayed(profile, T_p), nominal.wanted(m)
+
+    def f_ff(n: int) -> float:
+        _, _, a, j = late.sample(n)
+        jerk = gains.jerk_feedforward * gains.force_lag * j
+        return float(m * (gains.acceleration_feedforward * a + jerk))
+
+    def hand_down(n: int, y: float) -> Callable[[float], tuple[float, float, float]]:
+        t = n * T_p
+        c = gains.position_gain * (late(t - tau)[0] - y)
+        if gains.position_loop is PositionLoop.CONTROL:
+            v = late(t - max(tau + T_v / 2 - D, 0.0))[1]
+            old = late(t - max(tau - D, 0.0))
+            rate = K @ wanted_of(np.append(old[1:], 0.0))
+            f = f_ff(n) + K @ wanted_of(old) - rate * (T_p - T_v) / 2
+            return lambda s: (c, v, f + rate * s)
+        age = max(tau - 2 * T_p, 0.0)
+        r0, r1 = late(t - age - T_p), late(t - age)
+        f0, f1 = f_ff(n - 1) + K @ wanted_of(r0), f_ff(n) + K @ wanted_of(r1)
+        b = 3 * (r1[0] - r0[0]) - T_p * (2 * r0[1] + r1[1])
+        d = 2 * (r0[0] - r1[0]) + T_p * (r0[1] + r1[1])
+
+        def x_d(s: float) -> float:
+            u = s / T_p
+            return float(r0[0] + T_p * r0[1] * u + b * u**2 + d * u**3)
+
+        def read(s: float) -> tuple[float, float, float]:
+            v, f = (x_d(s) - x_d(s - T_v)) / T_v, f0 + (f1 - f0) * s / T_p
+            return (x_d(s) if gains.position_loop is PositionLoop.DRIVE else c), v, f
+
+        return read
+
+    return hand_down
+
+
+def simulate_record(record: Json, move: Json, *, until: float) -> Run:
+    """A move of a record through its nominal loop, up to its force limit."""
+    loop, plant, ahead = record["loop"], record["plant"], record["loop"]["feedforward"]
+    rows = {name: np.array(values) for name, values in plant["outputs"].items()}
+    axis = Axis(np.array(plant["A"]), np.array(plant["B"]), rows["tcp"], rows["encoder"])
+    own, observer = loop["observer"], NO_OBSERVER
+    if own["states"]:
+        states = tuple(plant["states"].index(name) for name in own["states"])
+        observer = Observer(states=states, **{key: np.array(own[key]) for key in "ABCL"})
+    gains = Controller(
+        position_loop=PositionLoop(loop["position_loop"]),
+        position_gain=loop["Kv"],
+        velocity_gain=loop["Kp"],
+        integral_time=loop["Tn"],
+        reference_model_time=loop["reference_model_time"],
+        velocity_feedforward=ahead["velocity"],
+        acceleration_feedforward=ahead["acceleration"],
+        jerk_feedforward=ahead["jerk"],
+        feedforward_mass=ahead["mass"],
+        force_lag=loop["force_lag"],
+        reference_delay=loop["reference_delay"],
+        velocity_cycle=loop["velocity_cycle"],
+        cycles=round(loop["position_cycle"] / loop["velocity_cycle"]),
+        force_filters=tuple(ForceFilter(**item) for item in loop["force_filters"]),
+        sensors=tuple(loop["sensors"]),
+        state_gains=np.array([loop["state_feedback"].get(name, 0.0) for name in plant["states"]]),
+        observer=observer,
     )
-
-    def fed_forward(t: float) -> float:
-        _, _, a, j = profile.at(t)
-        return m * (
-            gains.acceleration_feedforward * a + gains.jerk_feedforward * gains.force_lag * j
-        )
-
-    if gains.position_loop is PositionLoop.CONTROL:
-        path = T_p + (T_p - h) / 2
-        late = delayed(profile, now - max(gains.reference_delay - path, 0.0), T_p)
-        held = delayed(profile, now - max(gains.reference_delay + h / 2 - path, 0.0), T_p)[1]
-        middle = float(K @ _wanted(nominal, m, late))
-        rate = float(K @ _wanted(nominal, m, np.array([*late[1:], 0.0])))
-        return lambda s: (0.0, held, fed_forward(now) + middle + rate * (s - (T_p - h) / 2))
-
-    age = max(gains.reference_delay - 2 * T_p, 0.0)
-    ends = [delayed(profile, now - age - T_p, T_p), delayed(profile, now - age, T_p)]
-    spline = CubicHermiteSpline([0.0, T_p], [e[0] for e in ends], [e[1] for e in ends])
-    forces = [
-        fed_forward(t) + float(K @ _wanted(nominal, m, e))
-        for t, e in zip((now - T_p, now), ends, strict=True)
-    ]
-    return lambda s: (
-        float(spline(s)),
-        float(spline(s) - spline(s - h)) / h,
-        float(np.interp(s, [0.0, T_p], forces)),
+    return drive(
+        axis,
+        gains,
+        profile_of_record(move),
+        nominal=axis,
+        samples=round(until / gains.velocity_cycle),
+        force_limit=loop["motion_force"],
+        resolution=loop["encoder_resolution"],
     )
-
-
-def delayed(profile: Moving, t: float, cycle: float) -> Array:
-    """The setpoint between samples of the position cycle, as the control interpolates it."""
-    place = t / cycle
-    nearest = round(place)
-    if abs(place - nearest) < 1e-9:
-        return profile.at(nearest * cycle)
-    before = int(np.floor(place))
-    left, right = profile.at(before * cycle), profile.at((before + 1) * cycle)
-    quintic = BPoly.from_derivatives([0.0, cycle], [left[:3], right[:3]])
-    s = t - before * cycle
-    mixed = left + (right - left) * (s / cycle)
-    return np.array([quintic(s), quintic(s, nu=1), mixed[2], mixed[3]])
-
-
-def _wanted(nominal: Machine, mass: float, setpoint: Array) -> Array:
-    """Rigid motion along the setpoint, every mode at its static deflection under m a."""
-    axis = axis_of(nominal)
-    state = np.zeros(len(axis.names))
-    state[list(axis.rigid)] = setpoint[:2]
-    for mode, (place, rate) in zip(axis.modes, axis.slots, strict=True):
-        static = mode.scale * mass / abs(mode.pole) ** 2
-        state[place], state[rate] = static * setpoint[2], static * setpoint[3]
-    state[-1] = mass * setpoint[2]
-    return state
-
-
-def _observer(gains: Controller, nominal: Machine):  # type: ignore[no-untyped-def]
-    """Estimate at rest and its advance by one velocity cycle: predict, correct by L."""
-    axis, seen, L = axis_of(nominal), list(gains.observer.states), gains.observer.L
-
-    def advance(estimate: Array, force: float, measured: Array) -> Array:
-        if not seen:
-            return estimate
-        axis.put(estimate)
-        expected = np.array([axis.tool if s == "tcp" else axis.encoder for s in gains.sensors])
-        axis.advance(force, gains.velocity_cycle)
-        following = np.zeros(len(axis.names))
-        following[seen] = axis.state()[seen] + L @ (measured - expected)
-        return following
-
-    return np.zeros(len(axis.names)), advance
 
 
 @dataclass(frozen=True, slots=True)
 class Judgement:
-    """The definitions, applied to a run."""
+    """The page's judgement of a motion."""
 
     settling_time: float
     residual: float
     peak: float
-    rms_force: float
 
 
-def judge(run: Run, profile: Profile, *, tau: float, band: float, dwell: float) -> Judgement:
-    """Settling time, residual and peak deviation, RMS of the motor force."""
+def reference(profile: Moving, t: Array, *, tau: float) -> Array:
+    """The setpoint with which the tool is compared."""
+    return np.array([profile.at(time - tau)[0] for time in t])
+
+
+def judge(motion: Run, profile: Profile, *, tau: float, band: float) -> Judgement:
+    """Settling time, residual and peak deviation."""
     begin = profile.end + tau
-    e = np.abs(run.tool - run.reference)
-    after = bisect_left(run.t.tolist(), begin - 1e-12)
+    e = motion.tool - reference(profile, motion.t, tau=tau)
+    first = int(np.argmax(motion.t >= begin - 1e-12))
+    x_end, v_end = profile.at(profile.end)[:2]
     # Between the samples about t_e + tau the tool is a line, the setpoint rests or coasts.
-    t_0, t_1 = run.t[after - 1], run.t[after]
-    coast = (run.reference[-1] - run.reference[-2]) / (run.t[-1] - run.t[-2])
-    late = run.reference[after] - coast * (t_1 - t_0)
-    d_0, d_1 = run.tool[after - 1] - late, run.tool[after] - run.reference[after]
-    at_end = abs(d_0 + (begin - t_0) / (t_1 - t_0) * (d_1 - d_0))
-    judged_t = np.concatenate([[begin], run.t[after:]])
-    judged = np.concatenate([[at_end], e[after:]])
-    settling = begin
-    for i in range(len(judged) - 1, 0, -1):
-        if judged[i - 1] > band >= judged[i]:
-            h = judged_t[i] - judged_t[i - 1]
-            settling = float(
-                judged_t[i - 1] + h * (judged[i - 1] - band) / (judged[i - 1] - judged[i])
-            )
-            break
-    window = profile.end + dwell
-    F = np.interp(np.linspace(0, window, 20001), run.t, run.states[:, -1], right=0.0)
-    rms = sqrt(np.trapezoid(F**2, dx=window / 20000) / window)
-    return Judgement(settling, float(np.max(judged)), float(np.max(e)), rms)
+    t_0, t_1 = motion.t[first - 1 : first + 1]
+    before = motion.tool[first - 1] - x_end - v_end * (t_0 - begin)
+    at_end = before + (begin - t_0) / (t_1 - t_0) * (e[first] - before)
+    t, size = np.append(begin, motion.t[first:]), np.abs(np.append(at_end, e[first:]))
+    outside = np.flatnonzero(size > band)
+    settled = begin
+    if outside.size:
+        i = int(outside[-1])
+        settled = inf
+        if i + 1 < len(t):
+            settled = t[i] + (t[i + 1] - t[i]) * (size[i] - band) / (size[i] - size[i + 1])
+    return Judgement(float(settled), float(np.max(size)), float(np.max(np.abs(e))))
+
+
+def rms_force(motion: Run, profile: Profile, *, dwell: float, load: float = 0.0) -> float:
+    """Of the motor until the next move begins, with a static load in its worse direction."""
+    t = np.linspace(0.0, profile.end + dwell, 20001)
+    F = np.interp(t, motion.t, motion.states[:, -1], right=0.0)
+    worst = max(np.trapezoid((F + sign * load) ** 2, t) for sign in (1.0, -1.0))
+    return sqrt(worst / t[-1])
 
 
 def quiet_copy(machine: Machine, **changes: object) -> Machine:

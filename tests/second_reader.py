@@ -20,7 +20,8 @@ from mtcommission.loop.model.controller import NO_OBSERVER, Controller
 from mtcommission.machine.control import ForceFilter
 from mtcommission.machine.machine import Machine, Motion, corners, vary
 from mtcommission.machine.plant.plant import build_plant
-from tests.independent_loop import judge, profile_of, run, shaper
+from mtcommission.machine.setpoint_filter import SetpointFilter
+from tests.independent_loop import judge, profile_of, run
 
 TAIL = 0.3
 """Free motion simulated after the end [s]."""
@@ -319,7 +320,9 @@ def simulate_file(control: str, text: str, machine: Machine) -> tuple[float, flo
             move, reading.values["a"], reading.values["j"], means=tuple(filter(None, times))
         )
         if reading.shaper:
-            profile = profile.copied(*shaper(*reading.shaper))
+            kind, hertz, damping = reading.shaper
+            item = SetpointFilter(kind=kind, frequency_hz=hertz, damping_ratio=damping)
+            profile = profile.copied(*item.impulses)
         samples = ceil((profile.end + gains.reference_delay + TAIL) / gains.velocity_cycle)
         for corner in corners(machine):
             motion = run(
@@ -331,7 +334,7 @@ def simulate_file(control: str, text: str, machine: Machine) -> tuple[float, flo
                 force_limit=limit,
             )
             tau = gains.reference_delay
-            found = judge(motion, profile, tau=tau, band=band, dwell=move.dwell)
+            found = judge(motion, profile, tau=tau, band=band)
             settling = max(settling, found.settling_time)
             residual = max(residual, found.residual)
             saturates |= bool(np.max(np.abs(motion.force)) >= limit * (1.0 - 1e-9))

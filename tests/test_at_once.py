@@ -112,7 +112,7 @@ def test_one_undamped_mode_in_closed_form(distance: float, a: float, f: float) -
     assert found.certificate.switching_law_holds
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(6))
 def test_random_axes_are_proved_and_end_at_rest(seed: int) -> None:
     """Else the least time on the sheet is not that of the axis, or leaves it swinging."""
     machine, modes, a = random_axis(seed)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import tomllib
 from pathlib import Path
 
@@ -11,7 +10,6 @@ import pytest
 from numpy.typing import NDArray
 
 from benchmarks.printers import Axis, residual, steps_of
-from mtcommission import cli
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.identify.calibrate_shaper import propose_shapers
 from mtcommission.identify.gather import by_axis, gather
@@ -21,16 +19,13 @@ from mtcommission.identify.profile import Writing, write_profile
 from mtcommission.identify.states import states_differ
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.profile.read import parse_profile
-from mtcommission.machine.profile.shipped import read_shipped
-from mtcommission.record.identified import read_evidence
 from mtcommission.study.rules import compare_shapers
+from tests.conftest import Run
 
-Result = tuple[int, str, str]
 Modes = tuple[tuple[float, float, float], ...]
 """Frequency [Hz], damping ratio and share at the tool of each."""
 
 LINES = np.arange(0.0, 200.1, 1.5625)
-PROFILES = Path(__file__).parent.parent / "profiles"
 
 ONE: Modes = ((45.0, 0.05, 1.0),)
 TWO: Modes = ((36.0, 0.06, 0.8), (92.0, 0.04, 0.2))
@@ -75,9 +70,9 @@ def density(modes: Modes) -> NDArray[np.float64]:
     return np.asarray(LINES**2 * np.abs(transfer) ** 2 * (LINES < 134.0) + 5.0)
 
 
-def write(folder: Path, name: str, modes: Modes) -> Path:
+def write(folder: Path, name: str, modes: Modes, scatter: float = 1.0) -> Path:
     """As Klipper's save_calibration_data writes it."""
-    power = density(modes)
+    power = scatter * density(modes)
     columns = [0.9 * power, 0.07 * power, 0.03 * power, power]
     rows = [
         ",".join([f"{f:.1f}", *(f"{column[i]:.3e}" for column in columns)])
@@ -140,20 +135,11 @@ def test_axes_are_told_by_klippers_names(names: list[str], axes: list[str]) -> N
 def test_three_payloads_of_a_slow_bed_are_one_mode_of_share_one(tmp_path: Path) -> None:
     """If it failed, the bed would have three modes at once, each three times too large: their
     peaks hide what lies beside them, so only the sum of the shares tells how large they are."""
-    noise = np.random.default_rng(5).lognormal(sigma=0.15, size=(3, LINES.size))
-    files, order = [], (24.0, 36.0, 30.0)
-    for state, (hertz, scatter) in enumerate(zip(order, noise, strict=True)):
-        file = write(
-            tmp_path, f"resonances_x_{state}.csv", ((hertz, 0.055, 0.92), (62.0, 0.05, 0.08))
-        )
-        head, *rows = file.read_text().splitlines()
-        cells = [row.split(",") for row in rows]
-        noisy = [
-            ",".join([f, *(f"{float(one) * by:.3e}" for one in power)])
-            for (f, *power), by in zip(cells, scatter, strict=True)
-        ]
-        file.write_text("\n".join([head, *noisy]) + "\n")
-        files.append(str(file))
+    dice, files, order = np.random.default_rng(5), [], (24.0, 36.0, 30.0)
+    for state, hertz in enumerate(order):
+        modes = ((hertz, 0.055, 0.92), (62.0, 0.05, 0.08))
+        scatter = dice.lognormal(sigma=0.15, size=LINES.size)
+        files.append(str(write(tmp_path, f"resonances_x_{state}.csv", modes, scatter)))
     found = identify(gather(files, Given())).part
     assert len(found.modes) == 2
     slow = found.modes[0]
@@ -165,25 +151,13 @@ def test_three_payloads_of_a_slow_bed_are_one_mode_of_share_one(tmp_path: Path) 
     assert each == pytest.approx(order, rel=0.02)
 
 
-def _run(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *arguments: str | Path
-) -> Result:
-    monkeypatch.setattr(sys, "argv", ["mtcommission", "identify", *map(str, arguments)])
-    with pytest.raises(SystemExit) as stopped:
-        cli.main()
-    captured = capsys.readouterr()
-    return int(stopped.value.code or 0), captured.out, captured.err
-
-
-def test_two_axes_become_two_profiles(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_two_axes_become_two_profiles(tmp_path: Path, run: Run) -> None:
     """If it failed, a printer's two files would need two sessions, or be mixed into one axis."""
     files = [
         str(write(tmp_path, f"resonances_{axis}_20261123_1.csv", modes))
         for axis, modes in (("x", ONE), ("y", TWO))
     ]
-    assert _run(monkeypatch, capsys, *files, "-o", tmp_path / "new.toml")[0] == 0
+    assert run("identify", *files, "-o", tmp_path / "new.toml")[0] == 0
     for axis, modes in (("x", ONE), ("y", TWO)):
         profile = tomllib.loads((tmp_path / f"new-{axis}.toml").read_text())
         assert profile["machine"]["axis"] == axis.upper()
@@ -194,24 +168,9 @@ def test_two_axes_become_two_profiles(
         assert found == pytest.approx([hertz for hertz, _, _ in modes], rel=0.01)
         best = [one for one in profile["identified"]["calibrate_shaper"] if one["recommended"]]
         assert best[0]["shaper"] == OF_THE_SCRIPT[(modes,)][0]
-    code, _, said = _run(monkeypatch, capsys, *files, "-o", "-")
+    code, _, said = run("identify", *files, "-o", "-")
     assert code == 2
     assert "X, Y" in said
-    belt = write(tmp_path, "raw_data_axis=1.000,-1.000_1.csv", ONE)
-    code, _, said = _run(monkeypatch, capsys, belt)
-    assert code == 2
-    assert "AXIS=X" in " ".join(said.split())
-
-
-def test_klippers_choice_is_no_word_on_an_axis_that_turns(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Its smoothing in mm stood in the profile of a rotary axis, which nobody could read then."""
-    file, new = write(tmp_path, "resonances_x_1.csv", ONE), tmp_path / "new.toml"
-    options = ("--input", "current", "--output", "velocity", "-o", new)
-    rotary = PROFILES / "rotary-table.toml"
-    assert _run(monkeypatch, capsys, f"{file}@tcp", "--profile", rotary, *options)[0] == 0
-    assert "calibrate_shaper" not in tomllib.loads(new.read_text())["identified"]
 
 
 def test_the_sheet_puts_klippers_choice_beside_ours(tmp_path: Path) -> None:
@@ -250,16 +209,3 @@ def test_the_sheet_puts_klippers_choice_beside_ours(tmp_path: Path) -> None:
     # Ramps of one cycle take a per cent off a step.
     assert first.residual_deviation == pytest.approx(alone, rel=0.02)
     assert first.settling_time >= float(times[0, -1]) + item.duration
-
-
-def test_the_points_beside_a_profile_of_a_servo_are_its_own(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
-    """Shares of a held motor's modes are left out there, and the checksum was that of others."""
-    profile, before = tmp_path / "m.toml", tmp_path / "before.toml"
-    before.write_text(read_shipped("modal-two-modes").text)
-    file = str(write(tmp_path, "a.csv", ONE))
-    assert _run(monkeypatch, capsys, file, "--profile", before, "-o", profile)[0] == 0
-    part = read_evidence(parse_profile(profile.read_text(), where="m.toml"), tmp_path)
-    assert part is not None
-    assert part.states

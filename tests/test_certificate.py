@@ -75,26 +75,6 @@ def test_any_multipliers_prove_no_more_than_the_optimum(
     assert proved(problem, weights, near=control.horizon).horizon <= control.horizon
 
 
-@pytest.mark.parametrize("move", [STEP, POSITIONING])
-def test_bound_is_where_the_integral_of_sigma_reaches_the_span(move: Move) -> None:
-    problem, control = solved(move)
-    span = problem.target / FORCE
-    bound = proved(problem, control.weights, near=0.05).horizon
-    tau, weight = gauss_legendre(0.0, bound, pieces=4000)
-    sigma = control.weights @ problem.values(tau)
-    # Pieces that hold a zero are off by the square of their length.
-    assert weight @ np.abs(sigma) == pytest.approx(span, rel=1e-7)
-    assert 0.0 <= control.horizon - bound < 1e-12 * control.horizon
-
-
-def gauss_legendre(start: float, end: float, *, pieces: int) -> tuple[np.ndarray, np.ndarray]:
-    nodes, weights = np.polynomial.legendre.leggauss(4)
-    edges = np.linspace(start, end, pieces + 1)
-    half = 0.5 * np.diff(edges)[:, np.newaxis]
-    middle = 0.5 * (edges[1:] + edges[:-1])[:, np.newaxis]
-    return (middle + half * nodes).ravel(), (half * weights).ravel()
-
-
 def test_no_multipliers_prove_the_rigid_bound() -> None:
     # c = 0: m Δv / F_max for a velocity step, sqrt(2 m L / F_max) for positioning.
     for move, expected in ((STEP, 0.0375), (POSITIONING, np.sqrt(2.0 * 750.0 * 0.02 / FORCE))):
@@ -130,7 +110,7 @@ def test_wrong_claims_are_refused() -> None:
     assert certified(slow, weights).relative_gap == pytest.approx(1 - 1 / 1.01, rel=1e-6)
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(4))
 def test_no_sign_change_is_missed(seed: int) -> None:
     plant = build_plant(random_modal_machine(seed, n_modes=1 + seed % 4))
     problem = moment_problem(plant, STEP if seed % 2 else POSITIONING)
@@ -146,8 +126,8 @@ def test_no_sign_change_is_missed(seed: int) -> None:
     assert np.all((zeros >= tau[changes]) & (zeros <= tau[changes + 1]))
 
 
-@pytest.mark.parametrize("offset", [0.0101, 0.0123, 0.0157])
-@pytest.mark.parametrize("depth", [1e-4, 1e-6, 1e-8, 1e-10, 1e-12])
+@pytest.mark.parametrize("offset", [0.0101, 0.0157])
+@pytest.mark.parametrize("depth", [1e-4, 1e-8, 1e-12])
 def test_pair_of_zeros_between_mesh_nodes_is_found(depth: float, offset: float) -> None:
     # 1 - (1 + depth) cos ω(τ - τ0) dips below 0 for 2 sqrt(2 depth) / ω around each maximum.
     omega = 300.0

@@ -24,8 +24,7 @@ from mtcommission.record.limits import limits_answer
 from mtcommission.record.machine import Profile
 from mtcommission.record.record import Record, build_record, load_record
 from mtcommission.record.shape import dump_json
-from tests.recorded_loop import Motion as Seen
-from tests.recorded_loop import judge_record, setpoint_of, simulate_record
+from tests.independent_loop import Run, judge, profile_of_record, simulate_record
 
 PROFILES = sorted((Path(__file__).parent.parent / "profiles").glob("*.toml"))
 
@@ -78,7 +77,7 @@ def test_record_alone_gives_a_second_program_the_loop(record: Record) -> None:
     for move in data["moves"]:
         claimed, end = move["response"], move["setpoint"]["duration"]
         motion = simulate_record(data, move, until=end + tau + 0.4)
-        found = judge_record(motion, move, tau=tau, band=band)
+        found = judge(motion, profile_of_record(move), tau=tau, band=band)
         assert found.residual == pytest.approx(claimed["residual_deviation"], rel=1e-5)
         assert found.settling_time == pytest.approx(claimed["settling_time"], rel=1e-5)
         assert motion.asked == pytest.approx(claimed["max_force"], rel=1e-5)
@@ -94,18 +93,19 @@ def _simulate_again(record: dict[str, Any]) -> None:
     force = [i for i, name in enumerate(loop["outputs"]) if name.startswith("force[")]
     for entry in record["moves"]:
         claimed, t_e = entry["response"], entry["setpoint"]["duration"]
-        setpoint = setpoint_of(entry)
+        setpoint, none = profile_of_record(entry), np.zeros(0)
         count = ceil((t_e + tau + 1.5) / dt)
         X, tcp, set_force = np.zeros(len(A)), [], []
         for k in range(count):
-            r = setpoint(k * dt)
+            r = setpoint.at(k * dt)
             Y = C @ X + D @ r
             tcp.append(Y[tool])
             set_force.append(Y[force])
             X = A @ X + B @ r
         position, asked = np.concatenate(tcp), float(np.max(np.abs(set_force)))
-        seen = Seen(np.arange(position.size) * cycle, position, np.zeros(0), asked)
-        found = judge_record(seen, entry, tau=tau, band=band)
+        t = np.arange(position.size) * cycle
+        seen = Run(t, position, none, none, none, asked)
+        found = judge(seen, setpoint, tau=tau, band=band)
         assert found.residual == pytest.approx(claimed["residual_deviation"], rel=1e-2)
         assert found.settling_time == pytest.approx(claimed["settling_time"], rel=1e-2)
         assert asked == pytest.approx(claimed["max_force"], rel=1e-2)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import isnan
 
 import numpy as np
 import pytest
@@ -128,40 +127,18 @@ def test_ripple_within_a_position_cycle_counts_in_the_largest_force(
     assert found.value == pytest.approx(stepped, rel=1e-6)
 
 
-def test_force_is_the_largest_of_the_sizes() -> None:
-    """A small move that needs more force than the listed one would saturate unseen."""
-    machine = MACHINES["velocity step"]
-    tuned = tune_loop(machine)
-    limits = MotionLimits(acceleration=1.8, jerk=400.0)
-    found = check_of(judge_sizes(machine, tuned, limits), SET_FORCE)
-    drive = replace(machine.drive, max_force=1e12)
-    forces = [
-        simulate(
-            tuned.loops[0],
-            plan_setpoint(resized(machine.moves[0], float(size)), limits),
-            drive=drive,
-            band=1e-6,
-        ).max_force
-        for size in np.geomspace(1e-3, 0.1, 30)
-    ]
-    assert max(forces) == pytest.approx(found.value, rel=0.01)
-    assert isnan(found.bound)
-
-
-@pytest.mark.parametrize("filter_name", ["none", "average"])
-@pytest.mark.parametrize("name", ["velocity step", "four modes"])
-def test_nothing_on_a_grid_is_sooner(name: str, filter_name: str) -> None:
+def test_nothing_on_a_grid_is_sooner() -> None:
     """Time would be given away at every move of the machine."""
-    machine = quiet_copy(MACHINES[name], setpoint_filter=FILTERS[filter_name])
+    item = FILTERS["average"]
+    machine = quiet_copy(MACHINES["velocity step"], setpoint_filter=item)
     tuned = tune_loop(machine)
     (move,), needs = machine.moves, machine.requirements
     found = explore(build_bench(machine, tuned))
     best = min(item.duration for item in found)
     a_max = machine.drive.motion_force / moving_mass(machine)
     sooner = []
-    for a in a_max * np.geomspace(0.02, 1.0, 26):
-        for t_j in np.geomspace(2e-3, 0.2, 26):
-            item = FILTERS[filter_name]
+    for a in a_max * np.geomspace(0.02, 1.0, 20):
+        for t_j in np.geomspace(2e-3, 0.2, 20):
             limits = MotionLimits(acceleration=a, jerk=a / t_j, setpoint_filter=item)
             if plan_setpoint(move, limits).duration < best / 1.02:
                 checks = judge_sizes(machine, tuned, limits)

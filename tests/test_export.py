@@ -6,31 +6,22 @@ import csv
 import io
 import json
 import re
-import subprocess
-import sys
 from copy import deepcopy
 from dataclasses import dataclass, replace
 from math import isfinite, pi
 from pathlib import Path
 
-import numpy as np
 import pytest
-import yaml
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 
 from mtcommission.base.errors import InputError
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.commission.commission import Commissioning, commission
-from mtcommission.controls.kinds import CONTROLS, KINDS
-from mtcommission.controls.row import Row, Setting
-from mtcommission.controls.syntax import LIST, MACHINE_DATA, _harmless
+from mtcommission.controls.kinds import CONTROLS
+from mtcommission.controls.syntax import LIST, _harmless
 from mtcommission.export.catalogue import CONTROL_KEYS
-from mtcommission.export.choose import choose_limits
-from mtcommission.export.held import hold, loop_of
 from mtcommission.export.subject import build_subject
-from mtcommission.export.write import Export, export_record, read_text, write_body
+from mtcommission.export.write import export_record, read_text, write_body
 from mtcommission.machine.profile.read import parse_profile, profile_text_hash
 from mtcommission.record.machine import ACCEPTED_DEFAULT, Profile
 from mtcommission.record.record import Record, build_record, load_record
@@ -117,28 +108,9 @@ force_filters = [
 """
 """A rotary motor with screw and gear, filters of every kind, the position loop in the drive."""
 
-LINEAR_MOTOR = f"""
-schema = 1
-machine = {{ name = "Linear motor", axis = "X", source = "illustrative numbers" }}
-[plant]
-kind = "modal"
-moving_mass = "80 kg"
-modes = [
-    {{ name = "column", frequency = "55 Hz", damping_ratio = 0.04, tcp_gain = "-0.004 1/kg" }},
-]
-[drive]
-force_lag = "1 ms"
-max_force = "2 kN"
-[[moves]]
-distance = "10 mm"
-[requirements]
-tcp_deviation = "5 um"
-frequency_spread = "1 %"
-damping_spread = "0 %"
-payload = ["0 kg", "10 kg"]
-[control]
-{CYCLES}
-"""
+LINEAR_MOTOR = BELT.replace('lead = "20 mm"\ngear = 2\n', "").replace(
+    'frequency_spread = "2 %"', 'frequency_spread = "1 %"\npayload = ["0 kg", "10 kg"]'
+)
 """No screw stated, the position loop in the control; a payload."""
 
 
@@ -214,7 +186,7 @@ def test_a_second_program_gets_the_header_s_numbers_from_the_file(
         assert not saturates
 
 
-@pytest.mark.parametrize("control", ["sinumerik", "isg", "twincat", "linuxcnc", "generic"])
+@pytest.mark.parametrize("control", ["sinumerik", "isg", "twincat", "linuxcnc"])
 @pytest.mark.parametrize("as_list", [False, True], ids=["text", "list"])
 def test_every_row_is_read(control: str, as_list: bool, filtered: Case) -> None:
     """A row that changes nothing when its first digit changes is not simulated."""
@@ -234,65 +206,16 @@ def test_every_row_is_read(control: str, as_list: bool, filtered: Case) -> None:
             continue  # refused: it was read, too
 
 
-@settings(max_examples=20, deadline=None, suppress_health_check=list(HealthCheck))
-@given(data=st.data())
-def test_one_digit_changes_the_loop_that_is_judged(data: st.DataObject, filtered: Case) -> None:
-    """What is read must reach the loop, too."""
-    subject = build_subject(filtered.record, KINDS["sinumerik"])
-    export = export_record(filtered.record, control="sinumerik")
-    rows = [entry.row for entry in export.entries]
-    entry = data.draw(st.sampled_from([e for e in export.entries if e.row.setting.rounding]))
-    values = read_text(MACHINE_DATA, rows, export.text)
-    value = values[entry.row.key]
-    assert isinstance(value, float)
-    held = hold(subject, values)
-    try:
-        other = hold(subject, {**values, entry.row.key: 1.1 * value})
-    except InputError:
-        return  # no such cycle, or no such number of filters
-    same = held.machine.control == other.machine.control
-    modes = ("", *(mode.name for mode in subject.record.limits.modes))
-    assert not same or any(held.limits(mode) != other.limits(mode) for mode in modes)
-
-
 def test_what_the_control_lacks_is_neither_written_nor_simulated(paper: Case) -> None:
     """State feedback has no row, so its result may not stand in the header."""
     export = export_record(paper.record, control="sinumerik")
     header = " ".join(export.header)
     assert paper.record["loop"]["state_feedback"]
-    assert "LEFT OUT OR CHANGED" in header
-    assert "too little margin" in header, "a loop that lost its margins meets nothing"
-    assert "state feedback" in header
-    assert 'control.kind = "sinumerik"' in header
-    strict = deepcopy(paper.record)
-    for mode in strict["limits"]["modes"]:
-        mode["band"] *= 1e-3
-    assert re.search(
-        r"machining mode .* do not keep its band, .* with the loop of this text",
-        " ".join(export_record(strict, control="sinumerik").header),
-    )
-    recommended = paper.record["limits"]["recommended"]
-    residual = recommended["residual_deviation"]
+    for said in ("LEFT OUT OR CHANGED", "too little margin", "state feedback"):
+        assert said in header
+    residual = paper.record["limits"]["recommended"]["residual_deviation"]
     assert export.verdict.residual_deviation != pytest.approx(residual, rel=1e-2)
     assert not export.meets_requirements
-
-
-def test_gain_and_inertia_of_a_rotary_motor_count_at_its_shaft(
-    filtered: Case, linear_motor: Case
-) -> None:
-    """p1460 in N s/m for a ball screw would be wrong by a factor of some hundred thousand."""
-    r = 0.02 / (2.0 * pi * 2.0)
-    Kp = float(_value(export_record(filtered.record, control="sinumerik"), "p1460"))
-    assert Kp == pytest.approx(filtered.record["loop"]["Kp"] * r**2, rel=1e-3)
-    inertia = float(_value(export_record(filtered.record, control="isg"), "getriebe[0].load"))
-    assert inertia == pytest.approx(420.0 * r**2, rel=1e-3)
-    export = export_record(linear_motor.record, control="sinumerik")
-    assert "p1460" not in {entry.row.name for entry in export.entries}
-    assert "a linear motor; for a rotary one state drive.lead" in " ".join(export.header)
-
-
-def _value(export: Export, name: str) -> str:
-    return next(entry.value for entry in export.entries if entry.row.name == name)
 
 
 def test_today_s_values_stand_in_the_old_column(filtered: Case) -> None:
@@ -307,10 +230,6 @@ def test_today_s_values_stand_in_the_old_column(filtered: Case) -> None:
     assert float(rows["N32200 $MA_POSCTRL_GAIN[0]"].old) == pytest.approx(1.5)
     assert float(rows["p1460"].old) == pytest.approx(30e3 * (0.01 / (2 * pi)) ** 2, rel=1e-3)
     assert rows["p1462"].old == "30"
-    times = {
-        entry.row.name: entry.old for entry in export_record(filtered.record, control="isg").entries
-    }
-    assert times["getriebe[0].slope_profil.tr_beschl_zu"] == "50000"
 
 
 @pytest.mark.parametrize("control", CONTROL_KEYS)
@@ -332,45 +251,15 @@ def test_header_says_what_an_export_must_say_in_letters_that_every_control_reads
     ):
         assert words in head
     record = deepcopy(linear_motor.record)
-    record["warnings"] = [Message("assumption-linear"), Message("assumption-static-load")]
+    record["warnings"] = [Message("assumption-linear"), "mode base: 50 Hz is *) a slip"]
+    record["data"][3]["source"] = ACCEPTED_DEFAULT
     german = export_record(record, control=control, language="de")
     assert german.text.isascii()
+    # Who types the numbers in may never have seen the sheet with its warnings.
     assert "WARNUNG: Die Achse ist linear: eine starre Masse" in " ".join(german.header)
+    assert "WARNUNG: mode base: 50 Hz is *) a slip" in " ".join(german.header)
+    assert record["data"][3]["key"] in " ".join(german.header)
     assert [entry.value for entry in german.entries] == [entry.value for entry in export.entries]
-
-
-@pytest.mark.parametrize(
-    ("control", "names"),
-    [
-        (
-            "sinumerik",
-            {"N32431 $MA_MAX_AX_JERK[0]", "N32640 $MA_STIFFNESS_CONTROL_ENABLE[0]", "p1462"}
-            | {"p1656", "N32800 $MA_EQUIV_CURRCTRL_TIME[0]"},
-        ),
-        ("isg", {"vorsteuer.vorsteuerung"}),
-        ("fanuc", {"1825", "2068"}),
-        ("linuxcnc", set()),
-    ],
-)
-def test_only_names_that_nobody_read_are_marked(
-    control: str, names: set[str], linear_motor: Case
-) -> None:
-    """A mark on everything is a mark on nothing."""
-    entries = export_record(linear_motor.record, control=control).entries
-    marked = {entry.row.name for entry in entries if not entry.row.is_verified}
-    assert {re.sub(r"JERK\[\d\]", "JERK[0]", name) for name in marked} == names
-
-
-def test_rotary_axes_are_written_in_the_control_s_own_unit(rotary: Case) -> None:
-    """Degrees in the values and radians in the verdict invite a slip by 57."""
-    export = export_record(rotary.record, control="fluidnc")
-    assert re.search(r"residual deviation [0-9.]+ arcsec", " ".join(export.header))
-    a = rotary.record["limits"]["recommended"]["acceleration"]
-    degrees = yaml.safe_load(export.text)
-    assert degrees["axes"]["c"]["acceleration_mm_per_sec2"] <= a * 180.0 / pi
-    text = export_record(rotary.record, control="sinumerik").text
-    assert "[rev/s^2]" in text
-    assert "[m/s^2]" not in text
 
 
 def test_marks_in_a_name_stay_inside_their_comment(rotary: Case) -> None:
@@ -426,11 +315,7 @@ def test_machining_mode_without_limits_is_left_out_and_said(
     export = export_record(record, control=control)
     assert not export.meets_requirements
     header = " ".join(export.header)
-    assert (
-        "requirements met, BUT INCOMPLETE: no limits for machining mode Surface (finishing)"
-        in header
-    )
-    assert "LEFT OUT: no limits keep the tool within the band" in header
+    assert "BUT INCOMPLETE: no limits for machining mode Surface (finishing)" in header
     assert "machining mode Surface (finishing), 2 um (3.21 um could be met)" in header
     names = {entry.row.name for entry in export.entries}
     assert not names & {"N32300 $MA_MAX_AX_ACCEL[4]", "maxAcceleration, surface"}
@@ -451,16 +336,6 @@ def test_without_a_jerk_limit_the_fallback_is_the_one_that_vibrates_least(rotary
     assert f"NO ACCELERATION MEETS THE REQUIREMENTS HERE: the value is the one of those tried, "\
         f"{share:.3g} % of the recommendation" in header  # fmt: skip
     assert "a rotary axis counts in degrees: the value is in deg/s^2" in header
-
-
-def test_fanuc_rise_time_belongs_to_the_rapid_traverse_that_is_stated(rotary: Case) -> None:
-    """With another 1420 the same 1620 would be another acceleration."""
-    export = export_record(rotary.record, control="fanuc")
-    rise, rapid = float(_value(export, "1620")), float(_value(export, "1420"))
-    found = re.search(r"acceleration stays ([0-9.]+) deg/s\^2", " ".join(export.header))
-    assert found is not None
-    assert rapid / 60.0 / (rise * 1e-3) == pytest.approx(float(found[1]), rel=1e-3)
-    assert rapid == pytest.approx(20.0 * 360.0, rel=1e-3)
 
 
 def test_isg_gets_whole_numbers_and_comments_that_its_lists_know(rotary: Case) -> None:
@@ -489,44 +364,6 @@ def test_a_record_that_contradicts_itself_is_not_exported(paper: Case, tmp_path:
         load_record(path)
 
 
-def test_limits_that_miss_a_requirement_say_so(paper: Case) -> None:
-    record = deepcopy(paper.record)
-    record["limits"]["recommended"]["jerk"] *= 3.0
-    record["assessment"]["met"] = False
-    export = export_record(record, control="linuxcnc")
-    assert not export.meets_requirements
-    assert "REQUIREMENTS NOT MET: residual deviation" in " ".join(export.header)
-
-
-def test_neighbours_are_tried_where_the_nearest_pair_misses(linear_motor: Case) -> None:
-    """With a jerk in steps too coarse the nearest pair vibrates; a pair that does not is found."""
-    subject = build_subject(linear_motor.record, KINDS["generic"])
-    loop = loop_of(subject)
-    held = hold(subject, loop)
-    rows = [
-        Row(Setting.ACCELERATION, "a", unit="m/s^2"),
-        Row(Setting.JERK, "j", unit="m/s^3"),
-    ]
-    for share in np.linspace(1.01, 1.2, 20):
-        limits = replace(subject.limits, jerk=share * subject.limits.jerk)
-        if not held.judge(limits).assessment.is_met:
-            break
-    chosen = choose_limits(replace(subject, limits=limits), held, rows)
-    assert chosen.verdict.assessment.is_met
-
-
-def test_doubts_of_the_run_reach_the_file(paper: Case) -> None:
-    """Who types the numbers in may never have seen the sheet with its warnings."""
-    record = deepcopy(paper.record)
-    record["warnings"] = ["mode base: 50 Hz is *) a slip"]
-    record["data"][3]["source"] = ACCEPTED_DEFAULT
-    header = " ".join(export_record(record, control="twincat").header)
-    assert "WARNING: mode base: 50 Hz is *) a slip" in header
-    assert f"Default accepted, not measured: {record['data'][3]['key']}." in header
-    text = export_record(paper.record, control="twincat").text
-    assert "accepted, not measured" not in text
-
-
 def test_axis_that_a_control_cannot_name_is_refused(paper: Case) -> None:
     record = deepcopy(paper.record)
     text = PAPER.replace('axis = "X"', 'axis = "Loader"')
@@ -538,7 +375,6 @@ def test_axis_that_a_control_cannot_name_is_refused(paper: Case) -> None:
 
 FILTERS_OF_KINDS = [
     ("sinumerik", 'kind = "two_moving_averages", time = "12 ms", second_time = "8 ms"'),
-    ("isg", 'kind = "moving_average", time = "20 ms"'),
     ("fanuc", 'kind = "moving_average", time = "20 ms"'),
     ("klipper", 'kind = "ei", frequency = "48 Hz", damping = 0.03'),
     ("marlin", 'kind = "marlin_mzv", frequency = "48 Hz", damping = 0.03'),
@@ -573,8 +409,6 @@ def test_command_line_writes_a_file_and_tells_the_verdict_by_its_exit_code(
     code, said, _ = run("export", record, "--control", "sinumerik", "-o", out)
     assert (code, said.replace("\n", "")) == (0, f"written: {out}")
     assert "\np1462=" in out.read_text("utf-8")
-    assert run("export", record, "--control", "sinumerik", "--csv", "-o", out)[0] == 0
-    assert "\n,p1462,ms,," in out.read_text("utf-8")
     missed = deepcopy(linear_motor.record)
     missed["limits"]["recommended"]["jerk"] *= 30.0
     missed["assessment"]["met"] = False
@@ -584,9 +418,6 @@ def test_command_line_writes_a_file_and_tells_the_verdict_by_its_exit_code(
     assert code == 1
     assert "REQUIREMENTS NOT MET: " in said.replace("\n", " ")
     assert not error
-    code, said, error = run("export", record, "--control", "sinumerik")
-    assert (code, said) == (1, out.read_text("utf-8"))  # the text, and nothing else
-    assert "REQUIREMENTS NOT MET: " in error
     _, listed, _ = run("export", "--control", "?")  # nobody has a record yet who asks this
     assert [line.split()[0] for line in listed.splitlines()] == list(CONTROL_KEYS)
     record.write_text("{}", "utf-8")
@@ -601,30 +432,5 @@ def test_command_line_writes_a_file_and_tells_the_verdict_by_its_exit_code(
         assert said in error
 
 
-def test_the_list_of_controls_comes_without_the_libraries_of_the_loop() -> None:
-    """Else who asks for a name waits seconds for it, and longer on an old laptop."""
-    code = (
-        "import sys\nfrom mtcommission import cli\n"
-        "sys.argv=['mtcommission','export','--control','?']\n"
-        "try:\n    cli.main()\nexcept SystemExit:\n    pass\n"
-        "heavy={'numpy','scipy','casadi','control','ruckig','typst'}\n"
-        "sys.exit(', '.join(sorted(heavy & set(sys.modules))) or 0)"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    assert "klipper" in done.stdout
-
-
-@pytest.mark.parametrize(
-    ("cell", "written"), [("=1+1", "'=1+1"), ("@x", "'@x"), ("-1.5e3", "-1.5e3")]
-)
-def test_no_cell_of_a_list_is_a_formula(cell: str, written: str) -> None:
-    assert _harmless(cell) == written
-
-
-def test_letters_that_plain_text_cannot_hold_are_said(linear_motor: Case) -> None:
-    """CJK names came out as ????? without a word."""
-    record = deepcopy(linear_motor.record)
-    assert "stand as" not in " ".join(export_record(record, control="isg").header)
-    record["machine"] |= {"name": "切削軸"}
-    assert 'cannot hold stand as "?"' in " ".join(export_record(record, control="isg").header)
+def test_no_cell_of_a_list_is_a_formula() -> None:
+    assert [_harmless(cell) for cell in ("=1+1", "@x", "-1.5e3")] == ["'=1+1", "'@x", "-1.5e3"]

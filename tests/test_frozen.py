@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from shutil import copyfile
 
-from benchmarks.frozen import PROFILES, write_all
 from benchmarks.frozen_compare import compare
 
 Files = dict[str, str]
@@ -56,32 +54,3 @@ def test_what_moved_between_two_states_is_said_with_its_size(tmp_path: Path) -> 
     assert "solve_time" not in said
     assert "recommended.jerk" not in said  # 5e-8 of the array's largest
     assert "recommended.jerk" in compare(before, after, least=1e-8, rows=0)
-
-
-def test_two_equal_states_differ_in_nothing(tmp_path: Path) -> None:
-    """If it failed, every comparison would be full of what did not move."""
-    before, after = state(tmp_path / "a", BEFORE), state(tmp_path / "b", BEFORE)
-    said = compare(before, after, least=0.0, rows=0).partition("\n\nProcessor time")[0]
-    assert said.splitlines()[0] == "3 files in both states, 0 only before, 0 only after"
-    assert len(said.splitlines()) == 10
-
-
-def test_a_part_is_written_once_and_the_same_again(tmp_path: Path) -> None:
-    """If it failed, states could not be compared, or a stopped write began anew."""
-    for name in ("a", "b"):
-        inputs = tmp_path / name / "inputs"
-        for kind in ("profiles", "measured", "broken", "machines"):
-            (inputs / kind).mkdir(parents=True)
-        copyfile(PROFILES / "printer-belt.toml", inputs / "profiles" / "printer-belt.toml")
-        (inputs / "broken" / "000.toml").write_text("schema = 1\n[machine]\nnme = 'x'\n", "utf-8")
-        write_all(tmp_path / name, ["messages", "profiles/printer-belt/check"], jobs=1)
-    message = tmp_path / "a" / "messages" / "000.txt"
-    text = message.read_text("utf-8")
-    assert text.startswith("exit 2\n--- stderr\n000.toml:")
-    assert "000.toml:3: machine.nme: unknown key" in text
-    said = compare(tmp_path / "a", tmp_path / "b", least=0.0, rows=0).splitlines()
-    assert said[0] == "3 files in both states, 0 only before, 0 only after"
-    assert said[-1].startswith("  profiles: check_en")  # nothing after the times
-    message.write_text("kept", "utf-8")
-    write_all(tmp_path / "a", ["messages"], jobs=1)
-    assert message.read_text("utf-8") == "kept"

@@ -11,13 +11,11 @@ from mtcommission.base.errors import ComputationError, Outcome
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.loop.tuning.family import cascade_family, propose_cascades
-from mtcommission.loop.tuning.gains import symmetrical_optimum
 from mtcommission.loop.tuning.tuning import check_loop, tune_loop
 from mtcommission.machine.control import ForceFilter, StateFeedback
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.machine.plant.modal import Modal
-from mtcommission.machine.profile.read import parse_profile
 from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.study.loops import LoopChoice, settle_on_loop
 from tests.independent_loop import quiet_copy
@@ -31,43 +29,32 @@ def cascade(**changes: object) -> Machine:
 
 
 @pytest.mark.parametrize(
-    ("given", "symbol", "unit"),
-    [
-        ({"position_gain": 4000.0 / 60.0}, "Kv", "1/s"),  # 4 (m/min)/mm
-        ({"velocity_gain": 200e3}, "Kp", "N s/m"),
-    ],
+    "given",
+    [{"position_gain": 4000.0 / 60.0}, {"velocity_gain": 200e3}],  # 4 (m/min)/mm
 )
-def test_one_given_gain_is_kept_and_the_largest_good_one_named(
-    given: dict[str, float], symbol: str, unit: str
-) -> None:
+def test_one_given_gain_is_kept_and_the_largest_good_one_named(given: dict[str, float]) -> None:
     """A user who typed one gain would find another machine's gains, or no result at all."""
-    free = tune_loop(cascade()).controller
     tuned = tune_loop(cascade(**given))
-    gains = tuned.controller
-    if symbol == "Kv":
-        assert gains.position_gain == given["position_gain"]
-        assert (gains.velocity_gain, gains.integral_time) == (
-            free.velocity_gain,
-            free.integral_time,
-        )
-    else:
-        assert gains.velocity_gain == given["velocity_gain"]
-        assert gains.integral_time == pytest.approx(4.0 * 750.0 / 200e3)
+    gains, (key, value) = tuned.controller, *given.items()
+    assert getattr(gains, key) == value
+    if key == "velocity_gain":
+        assert gains.integral_time == pytest.approx(4.0 * 750.0 / value)
         assert gains.position_gain == 66.66  # 200e3/(4 x 750), in four digits, down
     (warning,) = tuned.warnings
     assert warning.kind == "loop-given-gains-poor"
+    best = named_in(warning).values["value"]
+    assert tune_loop(cascade(**{key: best})).warnings == ()
+    more = {"velocity_gain": gains.velocity_gain, key: 1.03 * best}
+    assert not tune_loop(cascade(**more)).keeps_margins
+
+
+def named_in(warning: Message) -> Message:
+    """The gains that a warning names as a cure."""
     cure = warning.values["cure"]
     assert isinstance(cure, Message)
     named = cure.values["gains"]
     assert isinstance(named, Message)
-    best, key = named.values["value"], next(iter(given))
-    assert isinstance(best, float)
-    assert f"{symbol} up to {best:.4f}".rstrip("0").rstrip(".")[:8] in ENGLISH.say(warning)
-    assert f" {unit}, all other given values" in ENGLISH.say(warning)
-    assert tune_loop(cascade(**{key: best})).keeps_margins
-    assert tune_loop(cascade(**{key: best})).warnings == ()
-    more = {"velocity_gain": gains.velocity_gain, key: 1.03 * best}
-    assert not tune_loop(cascade(**more)).keeps_margins
+    return named
 
 
 def test_gains_that_no_single_change_cures_are_said_so() -> None:
@@ -83,8 +70,6 @@ def test_gains_that_no_single_change_cures_are_said_so() -> None:
             {"position_gain": 1e3, "velocity_gain": 194800.0, "integral_time": 62.09e-3},
             "loop-cure-kv",
         ),
-        ({"position_gain": 1e3}, "loop-cure-kv"),
-        ({"integral_time": 1e-3}, "loop-cure-tn"),
     ],
 )
 def test_a_single_change_that_cures_is_found_however_far_it_is(
@@ -94,21 +79,10 @@ def test_a_single_change_that_cures_is_found_however_far_it_is(
     machine = quiet_copy(read_shipped("ball-screw").machine, **gains)
     with pytest.raises(ComputationError) as caught:
         tune_loop(machine)
-    cure = caught.value.detail.values["cure"]
-    assert isinstance(cure, Message)
-    named = cure.values["gains"]
-    assert isinstance(named, Message)
+    named = named_in(caught.value.detail)
     assert named.kind == cured
     key = {"loop-cure-kv": "position_gain", "loop-cure-tn": "integral_time"}[cured]
     assert tune_loop(quiet_copy(machine, **{key: named.values["value"]})).warnings == ()
-
-
-def test_poor_gains_never_hide_behind_a_sooner_settling_loop() -> None:
-    """State feedback "auto" beside given gains keeps the margins or is left out."""
-    machine = quiet_copy(paper_machine(), velocity_gain=180e3, position_gain=30.0)
-    chosen = choose(machine).tuned
-    assert chosen.keeps_margins is (chosen.warnings == ())
-    assert chosen.keeps_margins or not chosen.controller.state_gains.any()
 
 
 def test_bandwidth_that_given_gains_miss_is_a_warning_and_not_an_end() -> None:
@@ -122,14 +96,6 @@ def test_bandwidth_that_given_gains_miss_is_a_warning_and_not_an_end() -> None:
 
 def choose(machine: Machine) -> LoopChoice:
     return settle_on_loop(machine)
-
-
-def test_chosen_loops_keep_the_minimum_bandwidth() -> None:
-    """The stiffest loop may be slow: it must not be chosen below the stated minimum."""
-    for machine in (cascade(), paper_machine()):
-        reached = tune_loop(machine).least_bandwidth_hz
-        fast = quiet_copy(machine, minimum_bandwidth_hz=1.02 * reached)
-        assert choose(fast).tuned.least_bandwidth_hz >= 1.02 * reached
 
 
 def test_state_feedback_is_tried_where_the_cascade_is_too_slow() -> None:
@@ -203,84 +169,4 @@ def test_a_mode_out_of_reach_and_without_damping_has_its_own_name() -> None:
     assert end.value.outcome is Outcome.UNDAMPED_MODE
     damped = replace(tower, damping_ratio=0.002)
     tuned = tune_loop(replace(machine, mechanics=Modal(moving_mass=750.0, modes=(damped,))))
-    assert tuned.keeps_margins
-
-
-def shaken(damping_ratio: float) -> Machine:
-    """Encoder and drive on opposite sides of a node: velocity gain takes damping."""
-    node = FlexibleMode(
-        name="node",
-        natural_frequency=2 * pi * 20.0,
-        damping_ratio=damping_ratio,
-        tcp_gain=1e-3,
-        measured_gain=-2e-3,
-    )
-    return replace(cascade(), mechanics=Modal(moving_mass=750.0, modes=(node,)))
-
-
-def test_a_mode_that_every_cascade_shakes_ends_as_margins_out_of_reach() -> None:
-    """Margins of 59.8 dB were once told of this loop, which is unstable."""
-    with pytest.raises(ComputationError, match="symmetrical optimum, there are none") as end:
-        tune_loop(shaken(1e-5))
-    assert end.value.outcome is Outcome.MARGINS_OUT_OF_REACH
-    assert "the loop is unstable" in str(end.value)
-    assert "dB" not in str(end.value)
-
-
-def test_a_loop_that_is_stable_a_decade_softer_is_found() -> None:
-    """At a hundredth of the symmetrical optimum it is unstable or has no margins."""
-    machine = shaken(2e-2)
-    tuned = tune_loop(machine)
-    assert tuned.keeps_margins
-    assert tuned.controller.velocity_gain < 0.01 * symmetrical_optimum(machine)
-
-
-HELD_BY_A_NOTCH = """
-schema = 1
-machine = { name = "Two modes", axis = "X", source = "test" }
-drive = { max_force = "25 kN", force_lag = "2 ms" }
-moves = [{ distance = "50 mm", max_velocity = "30 m/min" }]
-requirements = { tcp_deviation = "20 um", frequency_spread = "5 %", damping_spread = "30 %" }
-
-[plant]
-kind = "modal"
-moving_mass = 2893.03
-
-[[plant.modes]]
-name = "drive"
-frequency = "162.79 Hz"
-damping_ratio = 0.0814
-tcp_gain = -1.037e-3
-measured_gain = 1.0993e-3
-
-[[plant.modes]]
-name = "frame"
-frequency = "180 Hz"
-damping_ratio = 0.03
-tcp_gain = 1.037e-3
-measured_gain = 1.0993e-3
-
-[control]
-kind = "sinumerik"
-position_loop = "drive"
-position_cycle = "2 ms"
-velocity_cycle = "125 us"
-position_gain = 44.9637
-velocity_gain = 1.04065e6
-integral_time = "31.4524 ms"
-force_filters = [
-  { kind = "notch", frequency = "162.785 Hz", damping = 0.15, width = 0.5 },
-]
-"""
-
-
-def test_gains_that_hold_only_with_their_filter_are_taken() -> None:
-    """Gains and notch of a run, unstable without the notch: its sheet had no values to type in."""
-    machine = parse_profile(HELD_BY_A_NOTCH, where="test")
-    bare = replace(machine, control=replace(machine.control, force_filters=()))
-    with pytest.raises(ComputationError) as end:
-        tune_loop(bare)
-    assert end.value.outcome is Outcome.UNSTABLE_LOOP
-    tuned = tune_loop(machine)
-    assert tuned.controller.velocity_gain == 1.04065e6
     assert tuned.keeps_margins

@@ -69,21 +69,12 @@ WITHOUT_CONTOUR = ('contour_deviation = "20 um"\ncontour_feed = "6 m/min"\n', ""
 # Closed forms
 
 
-@pytest.mark.parametrize(("feed", "radius"), [(0.1, 0.01), (0.05, 0.05)])
-def test_an_average_makes_circles_smaller_by_its_square(feed: float, radius: float) -> None:
-    T, omega = 0.016, np.array([feed / radius])
+def test_an_average_makes_circles_smaller_by_its_square() -> None:
+    feed, radius, T = 0.1, 0.01, 0.016
+    omega = np.array([feed / radius])
     same = filter_response(moving_average(T), omega)
     off = radius * deviate(same, same).radius[0]
     assert off == pytest.approx(-(feed**2) * T**2 / (24.0 * radius), rel=2e-3)
-
-
-def test_a_lag_makes_circles_smaller_than_its_square_says() -> None:
-    feed, radius, Kv = 0.1, 0.01, 1000.0 / 60.0
-    lag = 1.0 / (1.0 + 1j * np.array([feed / radius]) / Kv)
-    assert radius * deviate(lag, lag).radius[0] == pytest.approx(-1425e-6, abs=1e-6)
-    slow = 1.0 / (1.0 + 1j * np.array([0.01 * feed / radius]) / Kv)
-    square = -((0.01 * feed) ** 2) / (2.0 * radius * Kv**2)
-    assert radius * deviate(slow, slow).radius[0] == pytest.approx(square, rel=1e-4)
 
 
 def test_delays_apart_make_an_ellipse_of_feed_times_their_difference() -> None:
@@ -93,7 +84,7 @@ def test_delays_apart_make_an_ellipse_of_feed_times_their_difference() -> None:
     assert radius * off.form[0] == pytest.approx(feed * apart, rel=1e-6)
 
 
-@pytest.mark.parametrize("degrees", [45.0, 90.0, 135.0])
+@pytest.mark.parametrize("degrees", [45.0, 135.0])
 def test_a_corner_behind_an_average_alone(degrees: float) -> None:
     T, step, v = 0.016, 1e-4, 0.1
     t = step * np.arange(400)
@@ -306,16 +297,6 @@ def test_limits_of_the_path_slow_each_axis_and_its_verdict() -> None:
     assert not checks["settling time X"].met
 
 
-def test_the_filter_is_short_enough_for_circles_and_corners(joined: Group) -> None:
-    """Alone the axes would settle soonest behind averages that would halve the feed of a circle."""
-    own = [axis.found.choice.limits.setpoint_filter for axis in joined.axes]
-    longest = max(item.duration for item in own if item)
-    used = joined.setpoint_filter
-    assert used is None or used.duration < longest
-    checks = judge_group(joined, circle_test(joined))
-    assert all(check.met for check in checks)
-
-
 def test_axes_that_lag_get_the_position_gain_of_the_slower() -> None:
     given = """velocity_cycle = "125 us"
 velocity_feedforward = 0.0
@@ -345,44 +326,18 @@ def test_another_tolerance_than_the_profiles_is_named_and_what_helps_is_next(
     words, profiles = Catalogue("en"), [X, Y]
     narrow = replace(joined, task=replace(joined.task, tolerance=8e-6))
     record = build_group_record(narrow, created="today")
-    (remark,) = (one for one in record.warnings if one.kind == "group-other-contours")
-    assert "judged within 8 µm" in words.say(remark).replace("\N{NARROW NO-BREAK SPACE}", " ")
-    # Their own is 20 µm, and stands in the profiles.
-    assert words.say(remark).endswith(
-        "X 20\N{NARROW NO-BREAK SPACE}µm, Y 20\N{NARROW NO-BREAK SPACE}µm."
-    )
-    assert not any(
-        one.kind == "group-other-contours"
-        for one in build_group_record(joined, created="today").warnings
-    )
-    # The path's limits are those of the wider tolerance.
-    circle, line, *others = record.assessment.checks
-    assert circle.value == pytest.approx(0.8 * 20e-6, rel=0.02)
+    assert "group-other-contours" in {one.kind for one in record.warnings}
+    circle, *others = record.assessment.checks
     assert f"--tolerance {ceil(1e6 * circle.value / 0.8)}um" in say_next(record, profiles, words)
     # The peak at the reversal of Y alone is too large.
     thrown = replace(record, assessment=replace(record.assessment, checks=others))
+    peak = record.circle[-1].quadrant_peak["Y"]
     step = say_next(thrown, profiles, words)
     assert "friction of Y" in step
-    peak = record.circle[-1].quadrant_peak["Y"]
     assert f"--tolerance {ceil(1e6 * peak)}um" in step
-    assert line.met
     own = replace(record.axes[1].assessment, met=False)
     alone = replace(record, axes=[record.axes[0], replace(record.axes[1], assessment=own)])
     assert f"mtcommission run {Y}" in say_next(alone, profiles, words)
-
-
-def test_planes_that_were_not_judged_are_named(joined: Group) -> None:
-    """One path acceleration is typed in for all axes: circles of a slower one may ask for less."""
-    task, third = joined.task, joined.axes[1]
-    three = replace(
-        joined,
-        axes=(*joined.axes, third),
-        task=replace(task, machines=(*task.machines, third.machine), sources=task.sources * 2),
-    )
-    three = replace(three, task=replace(three.task, sources=three.task.sources[:3]))
-    kinds = [{one.kind for one in build_group_record(group, created="today").warnings}
-             for group in (joined, three)]  # fmt: skip
-    assert ["group-one-plane" in one for one in kinds] == [False, True]
 
 
 # Faults
@@ -410,14 +365,11 @@ def test_a_rotary_axis_and_a_single_one_are_refused() -> None:
         read_task(machines[:1], sources[:1])
 
 
-def test_a_tolerance_must_be_known() -> None:
+def test_tolerance_and_plane_must_be_known() -> None:
     without = WITHOUT_CONTOUR
     with pytest.raises(InputError, match="--tolerance 10um"):
         task_of((without,), (without,))
     assert task_of((without,), (without,), tolerance="10um").tolerance == pytest.approx(1e-5)
-
-
-def test_the_plane_names_two_axes() -> None:
     assert task_of(plane="YX").plane == (1, 0)
     with pytest.raises(InputError, match="XY"):
         task_of(plane="XZ")

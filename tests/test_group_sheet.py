@@ -18,13 +18,12 @@ import numpy as np
 import pypdfium2
 import pytest
 
-from mtcommission.cli.group_view import describe_group
 from mtcommission.group.contours import find_entries, trace_circles, worst_circle
 from mtcommission.group.export import export_group
 from mtcommission.group.record import GroupRecord, build_group_record, read_pair
 from mtcommission.group.sheet import compose_group, print_group, words_of
 from mtcommission.machine.profile.read import profile_text_hash
-from mtcommission.sheet.document import Headline, Table
+from mtcommission.sheet.document import Table
 
 from .group_record import mill, mill_record
 from .test_sheet_browser import AXE_RUN, CHROMIUM, TELL, WIDTHS, axe_file, browse
@@ -87,24 +86,13 @@ def test_html_and_pdf_say_what_is_entered_and_what_to_measure(language: str) -> 
         assert phrase in " ".join(pages)
 
 
-def test_deviations_have_one_unit_and_what_peaks_forbid_is_said() -> None:
-    """4.2 nm beside 10.6 µm is read as 4.2 µm; a table of dashes says nothing."""
+def test_a_group_that_is_not_met_says_what_peaks_forbid_and_keeps_its_two_pages() -> None:
+    """A third page is lost on the way to the machine; a table of dashes says nothing."""
     narrow = replace(mill(), task=replace(mill().task, tolerance=8e-6))
     found = build_group_record(narrow, created="2026-01-01T00:00:00Z")
-    words = words_of(found, "en")
-    for said in (" ".join(map(str, describe_group(found, words))), text_of(html_of(found))):
-        circles = said.split("Circle, radius")[-1] if "Warning" in said else said
-        assert not re.search(r"\d\s?nm\b", circles)
-        plain = " ".join(said.replace("\N{NARROW NO-BREAK SPACE}", " ").split())
-        peak = words.format.quantity(found.circle[0].quadrant_peak["Y"], "m")
-        peak = peak.replace("\N{NARROW NO-BREAK SPACE}", " ")
-        assert f"Even at 1 m/min a reversal of Y throws the tool off by {peak}" in plain
-        assert "Without peaks" in plain
-    for one in found.feed_over_radius:
-        assert one.feed == 0.0
-        assert one.without_peaks is not None
-        assert words.format.feed(one.without_peaks.feed) in html_of(found)
-    # What is said beyond a group that is met must not push the form to a third page.
+    peak = words_of(found, "en").format.quantity(found.circle[0].quadrant_peak["Y"], "m")
+    said = f"Even at 1 m/min a reversal of Y throws the tool off by {peak}"
+    assert said.replace("\N{NARROW NO-BREAK SPACE}", " ") in text_of(html_of(found))
     assert len(text_of_pdf(print_group(found, mill().pair, language="de")["sheet.pdf"])) == 2
 
 
@@ -112,17 +100,12 @@ def test_todays_values_stand_beside_the_new_ones_and_three_axes_have_their_colum
     """What is overwritten must be seen before it is."""
     found = mill_record()
     (other, own) = found.axes
-    today = (
-        '[today]\nacceleration = "1.25 m/s^2"\njerk = "17.5 m/s^3"\nposition_gain = "31.5 1/s"\n'
-    )
+    today = '[today]\nacceleration = "1.25 m/s^2"\nposition_gain = "31.5 1/s"\n'
     text = f"{own.profile.text}\n{today}"
     profile = replace(own.profile, text=text, sha256=profile_text_hash(text.encode()))
     third = replace(own, name="Z", profile=profile)
-    three = replace(
-        found,
-        axes=[other, own, third],
-        feedforward=found.feedforward | {"Z": found.feedforward["Y"]},
-    )
+    ahead = found.feedforward | {"Z": found.feedforward["Y"]}
+    three = replace(found, axes=[other, own, third], feedforward=ahead)
     first, *_ = compose_group(three, read_pair(three), words_of(three, "en")).sections
     tables = [block for block in first.blocks if isinstance(block, Table)]
     each = next(one for one in tables if one.columns[-1].head == "Path")
@@ -130,31 +113,10 @@ def test_todays_values_stand_beside_the_new_ones_and_three_axes_have_their_colum
     assert heads == ["X today", "X new", "Y today", "Y new", "Z today", "Z new"]
     rows = {row[0]: [str(cell) for cell in row[2:]] for row in each.rows}
     assert rows["Acceleration"][4] == "1.25"
-    assert rows["Jerk"][4] == "17.5"
     assert rows["Kv"][4] == "1.89"  # 1000/min
-    assert rows["Kv"][5] == rows["Kv"][3] != "1.89"
     # Not stated: neither invented nor left out.
     assert rows["Tn"][4] == rows["Kv"][0] == "–"
     assert len(text_of_pdf(print_group(three, read_pair(three))["sheet.pdf"])) <= 3
-
-
-def test_what_is_not_kept_is_named_on_top() -> None:
-    found = mill_record()
-    (circle, *others) = found.assessment.checks
-    missed = replace(circle, value=2.0 * circle.limit, met=False)
-    bad = replace(found, assessment=replace(found.assessment, met=False, checks=[missed, *others]))
-    first, *_ = compose_group(bad, read_pair(bad), words_of(bad, "en")).sections
-    headline = next(block for block in first.blocks if isinstance(block, Headline))
-    assert not headline.is_met
-    assert "contour on circles" in headline.detail
-    (checks,) = (
-        b
-        for b in first.blocks
-        if isinstance(b, Table)
-        and b.strong_rows == (0,)
-        and "Worst case" in {c.head for c in b.columns}
-    )
-    assert checks.rows[0][0] == "contour on circles"
 
 
 def test_names_that_look_like_markup_stay_names() -> None:
@@ -248,36 +210,22 @@ def test_the_page_computes_what_the_command_does(arcs: bool, tmp_path: Path) -> 
 
 SLIDE = """
 addEventListener("load", () => {
-  const drawn = key => document.getElementById(`wi-${key}`).innerHTML;
-  const said = key => document.getElementById(`wi-${key}`).textContent;
   const seen = () => {
     groupPage.frame();
+    const drawn = key => document.getElementById(`wi-${key}`);
     return {
-      circle: drawn("circle"), corner: drawn("corner"), off: said("corner-value"),
-      verdict: said("verdict"), complaint: said("complaint"),
+      circle: drawn("circle").innerHTML, corner: drawn("corner").innerHTML,
+      verdict: drawn("verdict").textContent, complaint: drawn("complaint").textContent,
     };
   };
   const type = (key, value) => {
     const box = document.getElementById(`wi-${key}`);
     box.value = value;
     box.dispatchEvent(new Event("input", {bubbles: true}));
+    return seen();
   };
-  const states = [seen()], slider = document.getElementById("wi-radius-slider");
-  slider.value = 300;
-  slider.dispatchEvent(new Event("input", {bubbles: true}));
-  states.push(seen());
-  type("angle", "30");
-  states.push(seen());
-  type("feed", "many");
-  states.push(seen());
-  type("feed", "12");
-  type("radius", "2");
-  states.push(seen());
-  type("feed", "6");
-  type("radius", "50");
-  groupPage.model.tolerance = 10e-6;
-  states.push(seen());
-  tell(states);
+  tell([seen(), type("radius-slider", 300), type("angle", "30"), type("feed", "many"),
+        (type("feed", "12"), type("radius", "2"))]);
 });
 """
 
@@ -287,19 +235,14 @@ def test_circle_and_corner_follow_the_sliders(tmp_path: Path) -> None:
     told: Any
     told, console = browse(html_of(mill_record()), tmp_path, TELL + SLIDE)
     assert console == ""
-    begun, smaller, blunter, wrong, fast, rough = told
+    begun, smaller, blunter, wrong, fast = told
     assert smaller["circle"] != begun["circle"]
-    assert smaller["verdict"] != begun["verdict"]
     assert smaller["corner"] == begun["corner"]
     assert blunter["corner"] != smaller["corner"]
-    assert blunter["off"] != smaller["off"]
     assert blunter["circle"] == smaller["circle"]
     assert wrong["complaint"].startswith("Feed: a number from ")
     assert begun["verdict"].startswith("✓")
     assert fast["verdict"].startswith("✗")
-    # A peak at reversal was no matter of the verdict.
-    whole = int(1e6 * mill_record().circle[-1].quadrant_peak["Y"])
-    assert rough["verdict"].startswith(f"✗ A reversal throws the tool off by {whole}.")
 
 
 @needs_browser

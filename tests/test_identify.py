@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 
 from mtcommission.base.messages.catalogue import Catalogue
-from mtcommission.cli.measured import PER_AMPERE, read_number
 from mtcommission.identify.gather import gather
 from mtcommission.identify.identified import identify
 from mtcommission.identify.measurement import Given
@@ -22,10 +21,7 @@ from mtcommission.identify.profile import Writing, merge_profile, write_profile
 from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.profile.read import parse_profile
 from mtcommission.machine.profile.shipped import read_shipped
-from mtcommission.record.identified import read_evidence
 from mtcommission.record.machine import list_data
-from mtcommission.wizard.files import gather as known_before
-from mtcommission.wizard.script import list_questions
 from tests import identify_files as made
 from tests.conftest import Run
 
@@ -74,14 +70,6 @@ def test_a_new_profile_holds_what_was_measured_and_asks_for_the_rest(both) -> No
     assert data["machine"]["assumed"] == spreads
 
 
-def test_without_a_sensor_at_the_tool_its_gain_is_the_worst_case_and_an_assumption(encoder) -> None:
-    data = tomllib.loads(write_profile(encoder, _how()).profile)
-    gain = float(data["plant"]["modes"][0]["tcp_gain"].split()[0])
-    assert gain == pytest.approx(-1.0 / made.MASS, rel=0.01)
-    assert "plant.modes[1].tcp_gain" in data["machine"]["assumed"]
-    assert "identify-no-tool-sensor" in {message.kind for message in encoder.part.warnings}
-
-
 def test_the_users_word_on_the_tool_scales_the_share_of_the_encoder(encoder) -> None:
     data = tomllib.loads(write_profile(encoder, _how(tool_ratio=-1.5)).profile)
     mode = data["plant"]["modes"][0]
@@ -122,8 +110,6 @@ def test_an_example_whose_mass_and_modes_were_measured_is_one_no_more(encoder) -
     machine = parse_profile(text, where="merged.toml")
     assert not machine.illustrative
     assert machine.source == "identified from e.csv on 2026-11-22"
-    gain = tomllib.loads(text)["plant"]["modes"][0]["tcp_gain"]
-    assert float(gain.split()[0]) == pytest.approx(-1.0 / made.MASS, rel=0.01)
     sources = {
         one.key: one.source if isinstance(one.source, str) else one.source.kind
         for one in list_data(machine, build_plant(machine), text)
@@ -137,11 +123,6 @@ def test_an_example_whose_mass_and_modes_were_measured_is_one_no_more(encoder) -
         "moves[1].distance": "source-stated",
     }
     assert {key: sources[key] for key in wanted} == wanted
-    changed = text.replace('frequency = "38.', 'frequency = "39.', 1)
-    by_hand = parse_profile(changed, where="changed.toml")
-    data = list_data(by_hand, build_plant(by_hand), changed)
-    (now,) = (one for one in data if one.key == "plant.modes.beam.frequency")
-    assert now.source == machine.source
 
 
 def test_a_record_is_explained_by_the_model_that_came_from_it(tmp_path) -> None:
@@ -168,27 +149,16 @@ def test_the_command_writes_profile_page_and_json(run: Run, tmp_path) -> None:
     code, _, errors = run("identify", *files, *written, "--language", "de")
     assert code == 0, errors
     found = json.loads(entry.read_text())
-    wanted = {
-        "files", "sensor", "band_hz", "moving_mass", "delay", "modes", "spread", "misfit",
-        "warnings", "profile",
-    }  # fmt: skip
-    assert wanted <= found.keys()
     assert found["profile"] == out.read_text()
     assert found["delay"]["value"] == pytest.approx(made.DELAY, rel=0.05)
-    assert set(found["spread"]) == {"frequency", "damping", "because"}
-    html = page.read_text()
-    assert "Eigenformen" in html
-    assert "Kohärenz" in html
+    assert "Eigenformen" in page.read_text()
 
 
 @pytest.mark.parametrize(
     ("option", "value", "said"),
     [
         ("--band", "300:8", '--band: got "300:8", must be LOW:HIGH'),
-        ("--modes", "9", '--modes: got "9", must be auto or 1 to 8'),
         ("--constant", "3 kg", '--constant: got "3 kg", must be a number other than 0 in N/A'),
-        ("--tool-ratio", "3 N/A", '--tool-ratio: got "3 N/A"'),
-        ("--sensor", "motor", "--sensor: got 'motor', must be encoder or tcp"),
         ("--columns", "force", '--columns: got "force", must be NAME=COLUMN'),
     ],
 )
@@ -196,11 +166,6 @@ def test_a_wrong_option_is_named(run: Run, tmp_path, option: str, value: str, sa
     code, _, errors = run("identify", table_file(tmp_path / "e.csv"), option, value)
     assert code == 2
     assert said in errors
-
-
-@pytest.mark.parametrize("text", ["0.46", "0,46 N/A", "0.46N/A", "0.46 N m/A"])
-def test_a_constant_may_state_its_unit(text: str) -> None:
-    assert read_number("--constant", text, units=PER_AMPERE) == 0.46
 
 
 def test_a_measurement_given_twice_is_a_fault(run: Run, tmp_path) -> None:
@@ -222,23 +187,3 @@ def test_a_sensor_at_the_load_is_not_taken_for_the_motors_encoder(run: Run) -> N
         code, printed, errors = run("identify", str(file), "--constant", "1", "--sensor", said)
         assert code == 0, errors
         assert "76.26" in printed
-
-
-def test_the_wizard_goes_on_where_identify_ended(run: Run, tmp_path) -> None:
-    """What was measured is not asked again, and the delay is offered as the lag of the force."""
-    profile, answers = tmp_path / "m.toml", tmp_path / "answers.toml"
-    assert run("identify", *_both_files(tmp_path), "-o", str(profile))[0] == 0
-    source = known_before(profile, None)
-    asked = {question.key for question in list_questions(source.answers)} - set(source.answers)
-    assert not {key for key in asked if key.startswith("plant.")}
-    answers.write_text(
-        'drive.max_force = "2 kN"\nmoves = [{ distance = "15 mm", max_velocity = "0.4 m/s" }]\n'
-        'requirements.tcp_deviation = "8 um"\n'
-    )
-    code, _, errors = run("wizard", "-o", str(profile), "--answers", str(answers), "--yes")
-    assert code == 0, errors
-    machine = parse_profile(profile.read_text(), where="m.toml")
-    assert machine.drive.force_lag == pytest.approx(made.DELAY, rel=0.05)
-    assert machine.is_assumed("drive.force_lag")
-    assert machine.identified is not None
-    assert read_evidence(machine, tmp_path).responses

@@ -216,9 +216,6 @@ def test_klipper_spectra_of_three_versions() -> None:
         assert judged.frequency_hz == pytest.approx(f, abs=1e-12)
         assert judged.density == pytest.approx(1.11 * peak, rel=1e-4)
         assert found.frequency_hz[np.argmax(found.density)] == pytest.approx(60, abs=1.7)
-    chips = made.table(["freq", "adxl345 hotend", "adxl345 bed"], [f, peak, 2 * peak])
-    found_, _ = read_file(chips, Given(), name="a")
-    assert [one_.source.label for one_ in found_] == ["adxl345 hotend", "adxl345 bed"]
 
 
 def signals() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -315,76 +312,54 @@ def test_real_twincat_export_is_read_and_asks_for_names() -> None:
 
 MASS_LINE = [LINES, ENCODER.real, ENCODER.imag]
 HEADS = ["f [Hz]", "re [m/s/N]", "im [m/s/N]"]
+RECORD = ["t [s]", "force [N]", "encoder [m]"]
+NONE = Given()
 BROKEN = {
-    "empty": (b" \n", Given(), "is empty"),
-    "binary": (b"PK\x03\x04abc", Given(), "xlsx"),
-    "text": (b"hello\nworld\n", Given(), "no table of numbers"),
-    "folder of a foreign xml": (b"<a><b/></a>", Given(), "root a"),
-    "cut xml": (made.session(LINES, ENCODER, GAMMA2)[:3000], Given(), "no whole XML"),
-    "swapped columns": (made.table(HEADS, MASS_LINE[::-1]), Given(), "must rise"),
+    "empty": (b" \n", NONE, "is empty"),
+    "binary": (b"PK\x03\x04abc", NONE, "xlsx"),
+    "cut xml": (made.session(LINES, ENCODER, GAMMA2)[:3000], NONE, "no whole XML"),
+    "swapped columns": (made.table(HEADS, MASS_LINE[::-1]), NONE, "must rise"),
     "swapped ends": (
-        made.table(HEADS, [LINES, (1 / ENCODER).real, (1 / ENCODER).imag]), Given(), "swapped",
+        made.table(HEADS, [LINES, (1 / ENCODER).real, (1 / ENCODER).imag]), NONE, "swapped",
     ),
     "coherence above one": (
-        made.table([*HEADS, "coherence"], [*MASS_LINE, 10 + GAMMA2]), Given(), "coherence of 10.9",
+        made.table([*HEADS, "coherence"], [*MASS_LINE, 10 + GAMMA2]), NONE, "coherence of 10.9",
     ),
-    "time in the wrong unit": (
-        made.table(["t [s]", "force [N]", "encoder [m]"], [1e3 * T, F, X]), Given(), "samples 1 s",
-    ),
+    "time in the wrong unit": (made.table(RECORD, [1e3 * T, F, X]), NONE, "samples 1 s"),
     "frequency in the wrong unit": (
-        made.table(["f [kHz]", *HEADS[1:]], MASS_LINE), Given(), "check their unit",
+        made.table(["f [kHz]", *HEADS[1:]], MASS_LINE), NONE, "check their unit",
     ),
-    "nan": (
-        made.table(HEADS, MASS_LINE).replace(b"\n4.", b"\nnan,", 1), Given(), "a.csv:",
-    ),
+    "nan": (made.table(HEADS, MASS_LINE).replace(b"\n4.", b"\nnan,", 1), NONE, "a.csv:"),
     "hole": (
         b"\n".join([*made.table(HEADS, MASS_LINE).splitlines()[:60], b"5,6", b"7,8,9"]),
-        Given(), "a.csv:61:",
+        NONE, "a.csv:61:",
     ),
     "unknown unit": (
-        made.table(["f", "re [V/V]", "im"], MASS_LINE), Given(), "--input.*--output.*--sensor",
+        made.table(["f", "re [V/V]", "im"], MASS_LINE), NONE, "--input.*--output.*--sensor",
     ),
     "unit against option": (
         made.table(HEADS, MASS_LINE), Given(output=Signal.POSITION), "that of velocity",
     ),
-    "clipped": (
-        made.table(["t [s]", "force [N]", "encoder [m]"], [T, np.clip(F, -9, 9), X]),
-        Given(), "force runs into",
-    ),
+    "clipped": (made.table(RECORD, [T, np.clip(F, -9, 9), X]), NONE, "force runs into"),
     "uneven": (
-        made.table(["t [s]", "force [N]", "encoder [m]"],
-                   [np.delete(column, slice(900, 950)) for column in (T, F, X)]),
-        Given(), "a.csv:902: a step of 0.051 s",
-    ),
-    "time that returns": (
-        made.table(["t [s]", "force [N]", "encoder [m]"], [T % 0.8, F, X]), Given(), "must rise",
+        made.table(RECORD, [np.delete(column, slice(900, 950)) for column in (T, F, X)]),
+        NONE, "a.csv:902: a step of 0.051 s",
     ),
     "unit off by 1000": (
         made.table(["t [s]", "force [N]", "encoder [mm]", "velocity [m/s]"],
                    [T, F, X, np.gradient(X, 1e-3)]),
-        Given(), "times the rate",
+        NONE, "times the rate",
     ),
-    "force named a motion": (
-        made.table(["t [s]", "velocity [N]", "encoder [m]"], [T, F, X]),
-        Given(), "that of force",
-    ),
-    "names without units": (
-        made.table(["t", "Kanal 1", "Kanal 2"], [T, F, X]), Given(), "Kanal 2",
-    ),
+    "names without units": (made.table(["t", "Kanal 1", "Kanal 2"], [T, F, X]), NONE, "Kanal 2"),
     "no such column": (
         made.table(["t", "a", "b"], [T, F, X]), Given(columns={"force": "c [N]"}), "1: t|1: a",
     ),
     "acceleration without place": (
-        made.table(["t [s]", "force [N]", "acceleration [m/s^2]"], [T, F, X]), Given(), "--sensor",
+        made.table([*RECORD[:2], "acceleration [m/s^2]"], [T, F, X]), NONE, "--sensor",
     ),
-    "no clock": (made.table([], [F, X], separator=" "), Given(), "sample_time"),
-    "still": (
-        made.table(["t [s]", "force [N]", "encoder [m]"], [T, F, 0 * X]), Given(), "stands still",
-    ),
-    "no force": (
-        made.table(["t [s]", "force [N]", "encoder [m]"], [T, 0 * F, X]),
-        Given(), "does not change",
-    ),
+    "no clock": (made.table([], [F, X], separator=" "), NONE, "sample_time"),
+    "still": (made.table(RECORD, [T, F, 0 * X]), NONE, "stands still"),
+    "no force": (made.table(RECORD, [T, 0 * F, X]), NONE, "does not change"),
 }  # fmt: skip
 
 

@@ -84,10 +84,8 @@ def test_friction_that_reverses_is_told_with_a_shift_that_holds_the_truth(benche
     assert missed < shift * mode.frequency_hz.value
     assert shift < 0.05  # and it says something
     text = Catalogue("en", rotary=True).say(warning)
-    assert "backwards" in text
     assert path.name in text
     assert "Measure again at" in text
-    assert Catalogue("de", rotary=True).say(warning) != text
 
 
 @pytest.mark.parametrize("name", ["friction, fast", "no friction, slow"])
@@ -96,17 +94,3 @@ def test_nothing_is_told_where_friction_keeps_its_sign_or_is_not_there(benches, 
     (mode,) = found.modes
     assert abs(mode.frequency_hz.value - FREQUENCY) < 0.003 * FREQUENCY
     assert not [one for one in found.warnings if "-shift" in one.kind]
-
-
-def test_a_response_alone_warns_that_friction_may_have_reversed(benches, tmp_path: Path) -> None:
-    """Whether it did stands in no response; that it could matter does."""
-    (response,) = gather([str(benches["friction, slow"][0])], Given()).responses
-    path = tmp_path / "frf.csv"
-    f, H = response.frequency_hz, response.values
-    data = made.response_table(f, H, 0.99, unit="rad/s/(N m)", averages=10)
-    path.write_bytes(data)
-    found = identify(gather([str(path)], Given())).part
-    (warning,) = [one for one in found.warnings if one.kind == "identify-friction-may-shift"]
-    shift = warning.values["shift"]
-    assert isinstance(shift, float)
-    assert 0.003 < shift < 0.05

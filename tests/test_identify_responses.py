@@ -59,12 +59,10 @@ def test_periods_are_found_and_the_errors_are_as_stated() -> None:
     assert 0.9 < np.std(score(one)[20:]) < 1.2
 
 
-@pytest.mark.parametrize("lines", ["odd", "few per octave"])
-def test_lines_left_out_of_a_multisine_are_not_taken(lines: str) -> None:
+def test_lines_left_out_of_a_multisine_are_not_taken() -> None:
     """They hold what repeats besides: distortion, cogging."""
     size = 2000
-    few = np.unique(np.round(np.geomspace(6, 400, 30)))
-    hertz = np.arange(3, 200, 2) if lines == "odd" else few
+    hertz = np.arange(3, 200, 2)
     rng = np.random.default_rng(2)
     t = np.arange(size)
     force = np.cos(2 * np.pi * np.outer(t, hertz) / size + rng.uniform(0, 6.3, hertz.size)).sum(1)
@@ -85,13 +83,6 @@ def test_welch_says_its_window_and_its_errors_are_as_stated() -> None:
     assert 0.7 < np.std(score(one)[both]) < 1.5  # away from the peaks, which the window smears
     truth = made.held(one.frequency_hz, STEP, derivative=0)
     assert np.abs(one.values / truth - 1)[~inside].max() < 0.3
-
-
-def test_too_short_a_record_is_said_to_be() -> None:
-    """Damping of 2 % at 38 Hz is 1.5 Hz wide: 4 s of noise cannot show it."""
-    rng = np.random.default_rng(4)
-    one = found(HEADS, record(rng.standard_normal(4_000), 0.001, 4))
-    assert "identify-welch-too-coarse" in kinds(one)
 
 
 def closed_loop(seed: int, size: int = 60_000) -> list[np.ndarray]:
@@ -152,33 +143,29 @@ def test_blows_of_a_hammer() -> None:
 
 
 def test_free_vibration_after_a_move() -> None:
-    """Truth lies within three stated sigma, in nearly all of twenty records."""
-    t = np.arange(0, 3, STEP)
+    """Truth lies within three stated sigma, in nearly all of ten records."""
+    t, modes = np.arange(0, 3, STEP), ((21.0, 0.03, 1e-3), (64.0, 0.01, 4e-4))
     good = 0
-    for seed in range(20):
+    for seed in range(10):
         rng = np.random.default_rng(seed)
         reference = 0.2 + np.clip(t / 0.5, 0, 1)
         y, late = reference.copy(), np.maximum(t - 0.5, 0.0)
-        for hertz, zeta, size in ((21.0, 0.03, 1e-3), (64.0, 0.01, 4e-4)):
+        for hertz, zeta, size in modes:
             omega = 2 * np.pi * hertz
             damped = omega * np.sqrt(1 - zeta**2)
             y += size * np.exp(-zeta * omega * late) * np.sin(damped * late)
         y += 2e-5 * rng.standard_normal(t.size)
-        columns = [t, reference, y]
-        data = made.table(["t [s]", "x_ref [m]", "tcp [m]"], columns)
+        data = made.table(["t [s]", "x_ref [m]", "tcp [m]"], [t, reference, y])
         (one,), _ = read_file(data, NONE, name="a")
         assert isinstance(one, FreeVibration)
         assert {"identify-by-decay", "identify-loop-in-decay"} <= kinds(one)
-        first, second = one.modes[:2]
-        assert len(one.modes) == 2
         off = [
-            (first.frequency_hz.value - 21.0) / first.frequency_hz.sigma,
-            (second.frequency_hz.value - 64.0) / second.frequency_hz.sigma,
-            (first.damping_ratio.value - 0.03) / first.damping_ratio.sigma,
-            (second.damping_ratio.value - 0.01) / second.damping_ratio.sigma,
+            abs(seen.value - true) / seen.sigma
+            for mode, (hertz, zeta, _) in zip(one.modes, modes, strict=True)
+            for seen, true in ((mode.frequency_hz, hertz), (mode.damping_ratio, zeta))
         ]
-        good += max(np.abs(off)) < 3.0
-    assert good >= 18
+        good += max(off) < 3.0
+    assert good >= 9
 
 
 def test_klipper_accelerations_become_a_spectrum() -> None:

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mtcommission.loop import poles as pole_module
 from mtcommission.loop.mean_response import average_phases
 from mtcommission.loop.poles import LoopPoles, find_poles
 from mtcommission.loop.respond import OUTPUTS, free_motion, lay_grid, set_in_motion, tool_deviation
@@ -59,18 +58,3 @@ def test_what_is_left_is_that_of_the_loop(move: Move, item: SetpointFilter | Non
 def test_every_corner_and_mode_counts() -> None:
     found, exact = both(poles_of("modal-two-modes"), MOVES[1], FILTERS[1])
     assert found == pytest.approx(exact, rel=0.05, abs=0.02 * exact.max())
-
-
-def test_equal_poles_are_seen_as_well(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A loop without poles of its own would seem to leave nothing, and any limits would do."""
-    usual, _ = both(poles_of("ball-screw"), MOVES[1], None)
-    loops = tune_loop(read_shipped("ball-screw").machine).loops
-    stepped = find_poles.__wrapped__
-    limit = pole_module.ILL_CONDITIONED
-    monkeypatch.setattr(pole_module, "ILL_CONDITIONED", 1.0)
-    table = stepped(loops)
-    assert not table.factors.size
-    monkeypatch.setattr(pole_module, "ILL_CONDITIONED", limit)
-    found, exact = both(table, MOVES[1], None)
-    assert found == pytest.approx(usual, rel=5e-3)
-    assert found == pytest.approx(exact, rel=0.05, abs=0.01 * exact.max())

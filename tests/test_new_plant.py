@@ -12,14 +12,13 @@ from math import pi, sqrt
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
-import numpy as np
 import pytest
 
 from mtcommission.base.errors import InputError
 from mtcommission.base.messages.message import Message
 from mtcommission.base.units.quantities import AxisUnits, Dimension
 from mtcommission.machine.checks import check_plausibility
-from mtcommission.machine.keys import Misfit, keyed, list_keys
+from mtcommission.machine.keys import Misfit, keyed
 from mtcommission.machine.machine import Corner, vary
 from mtcommission.machine.mechanics import KINDS, FlexibleMode, Mechanics, ModeStates, register
 from mtcommission.machine.plant.plant import build_plant, kalman_rank
@@ -28,7 +27,6 @@ from mtcommission.machine.profile.read import parse_profile
 from mtcommission.machine.readers import MASSES, RATIOS, STIFFNESSES
 from mtcommission.record.record import load_record
 from mtcommission.verify.prediction import rebuild
-from mtcommission.wizard.script import find_question, list_questions
 from tests.conftest import Run
 from tests.recorded_traces import Spoilt, record_moves, write_csv
 from tests.test_verify import limits_of
@@ -187,39 +185,3 @@ def test_it_goes_through_check_run_export_and_verify(
     assert new.modes[0].natural_frequency == pytest.approx(OMEGA, rel=1e-4)
     assert new.motor_mass == 20.0
     assert "from the frequencies and the mass of a recorded move" in text
-
-
-def test_identify_writes_a_modal_plant_in_its_place_and_says_so(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, run: Run
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    Path("belt.toml").write_text(PROFILE, encoding="utf-8")
-    f = np.linspace(5.0, 200.0, 800)
-    s = 2j * pi * f
-    (mode,) = parse_profile(PROFILE, where="belt.toml").mechanics.modes
-    elastic = mode.measured_gain / (s**2 + 2 * mode.damping_ratio * OMEGA * s + OMEGA**2)
-    response = 1.0 / (80.0 * s**2) + elastic
-    rows = [f"{a},{b.real},{b.imag}" for a, b in zip(f, response, strict=True)]
-    Path("sweep.csv").write_text("\n".join(["f [Hz],re,im", *rows]), encoding="utf-8")
-    words = ("--sensor", "encoder", "--input", "force", "--output", "position")
-    profile = ("--profile", "belt.toml", "-o", "new.toml")
-    code, said, _ = run("identify", "sweep.csv", *words, *profile)
-    assert code == 0
-    assert 'take the place of kind = "belt"' in " ".join(said.split())
-    new = parse_profile(Path("new.toml").read_text(encoding="utf-8"), where="new.toml").mechanics
-    assert new.kind == "modal"
-    assert new.moving_mass == pytest.approx(80.0, rel=0.01)
-
-
-def test_the_wizard_asks_for_it_from_its_schema(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, run: Run
-) -> None:
-    """It took every kind but one for the manipulator of the paper."""
-    monkeypatch.chdir(tmp_path)
-    Path("belt.toml").write_text(PROFILE, encoding="utf-8")
-    assert run("wizard", "--yes", "-o", "belt.toml")[0] == 0
-    assert Path("belt.toml").read_text(encoding="utf-8") == PROFILE
-    answers = {"wizard.way": "belt"}
-    assert "belt" in find_question("wizard.way", {}).choices
-    asked = [one.key for one in list_questions(answers) if one.key.startswith("plant.")]
-    assert asked == [f"plant.{key}" for key, _, about in list_keys(Belt) if about.is_required]

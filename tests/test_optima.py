@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
 from benchmarks.constrained_survey import largest_excess
 from benchmarks.population import random_machine
@@ -13,6 +12,7 @@ from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.limits.optima import find_optima
 from mtcommission.machine.moves import Positioning
 from mtcommission.machine.plant.plant import build_plant
+from mtcommission.optimal.control import propagate
 
 
 def test_reference_on_cells_says_how_far_from_the_optimum_it_can_be() -> None:
@@ -25,23 +25,6 @@ def test_reference_on_cells_says_how_far_from_the_optimum_it_can_be() -> None:
     assert 1e-6 < gap < 1e-2
     assert "Nothing is faster than" in Catalogue().say(found.remarks[0])
     assert largest_excess(plant, optimum) < 1e-9
-    state = np.zeros(plant.order)
-    for arc in optimum.arcs:
-        generator, output = arc.generator, arc.output
-
-        def slope(_: float, z: np.ndarray, generator=generator, output=output) -> np.ndarray:  # type: ignore[no-untyped-def]
-            own, x = z[: output.size], z[output.size :]
-            return np.concatenate([generator @ own, plant.A @ x + plant.B * (output @ own)])
-
-        solved = solve_ivp(
-            slope,
-            (arc.t_start, arc.t_end),
-            np.concatenate([arc.initial, state]),
-            method="DOP853",
-            rtol=1e-10,
-            atol=1e-13,
-        )
-        state = solved.y[output.size :, -1]
-    error = np.abs(state)
-    error[plant.position] = abs(state[plant.position] - move.distance)
+    error = np.abs(propagate(plant, optimum.arcs))
+    error[plant.position] = abs(error[plant.position] - move.distance)
     assert np.all(error < 1e-6 * optimum.peaks[: plant.order])

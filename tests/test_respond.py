@@ -18,7 +18,6 @@ from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
-from mtcommission.machine.plant.manipulator import Manipulator
 from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
 from mtcommission.setpoint.motion_limits import MotionLimits
@@ -136,22 +135,6 @@ def test_rms_force_is_that_of_every_sample(name: str) -> None:
         steps = steps_of(machine, move, a[:1], j[:1])
         found = rms_forces(machine, poles, move, steps, 4000)
         assert found[-1] == pytest.approx(full.rms_force, rel=5e-3)
-
-
-def test_the_cost_hangs_neither_on_the_length_of_a_move_nor_on_its_decay() -> None:
-    """A mode of 0.2 Hz or a stroke of 30 s would bring back the counters."""
-    machine = paper_machine()
-    poles = find_poles(tune_loop(machine).loops)
-    counts = [len(lay_grid(poles, 24).cycle)]
-    mechanics = machine.mechanics
-    assert isinstance(mechanics, Manipulator)
-    soft = replace(mechanics, base_stiffness=mechanics.base_stiffness / 400)
-    slow = quiet_copy(replace(machine, mechanics=soft))
-    counts.append(len(lay_grid(find_poles(tune_loop(slow).loops), 24).cycle))
-    assert counts[1] <= 1.5 * counts[0]
-    move = Positioning(distance=30.0, max_velocity=1.0)
-    motions = set_in_motion(poles, steps_of(machine, move, np.array([1.0]), np.array([20.0])))
-    assert motions.modal.shape[0] == 8
 
 
 def test_where_poles_coincide_the_loop_is_stepped(monkeypatch: pytest.MonkeyPatch) -> None:

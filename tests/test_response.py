@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
 
 from mtcommission.loop.simulate import DECAYED, HORIZON, LoopResponse, simulate
 from mtcommission.loop.tuning.tuned import TunedLoop
@@ -14,7 +15,7 @@ from mtcommission.machine.drive import Drive
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint
-from tests.independent_loop import Judgement, axis_of, judge, profile_of, run
+from tests.independent_loop import judge, profile_of, rms_force, run
 from tests.machines import paper_machine, slowly_decaying_machine
 
 BAND = 5e-6
@@ -31,63 +32,29 @@ def respond(tuned: TunedLoop, move: Move, a: float, t_j: float, drive: Drive) ->
     return simulate(tuned.loops[0], setpoint, drive=drive, band=BAND)
 
 
-def respond_again(
-    tuned: TunedLoop, move: Move, a: float, t_j: float, samples: int, limit: float
-) -> Judgement:
-    machine, profile = paper_machine(), profile_of(move, a, a / t_j)
-    motion = run(
-        machine, tuned.controller, profile, nominal=machine, samples=samples, force_limit=limit
-    )
-    tau = tuned.controller.reference_delay
-    return judge(motion, profile, tau=tau, band=BAND, dwell=move.dwell)
-
-
 @pytest.mark.parametrize("move", [STEP, Positioning(distance=0.004, max_velocity=0.1, dwell=0.02)])
-@pytest.mark.parametrize(("a", "t_j"), [(1.2, 0.02), (0.7, 0.0145), (2.6, 0.003)])
+@pytest.mark.parametrize(("a", "t_j"), [(1.2, 0.02), (0.2, 0.2), (2.6, 0.003)])
 def test_judgement_agrees_with_a_second_program(
     tuned: TunedLoop, move: Move, a: float, t_j: float
 ) -> None:
-    """The verdict would rest on other definitions than the sheet prints; 2.6 m/s² saturates."""
-    drive = paper_machine().drive
-    ours = respond(tuned, move, a, t_j, drive)
+    """The verdict would rest on other definitions than the sheet prints.
+
+    2.6 m/s² saturates; 0.2 m/s² leaves so little that the axis is followed far to its peak.
+    """
+    machine, profile = paper_machine(), profile_of(move, a, a / t_j)
+    ours, gains = respond(tuned, move, a, t_j, machine.drive), tuned.controller
     assert ours.saturated == (a > 2.0)
-    theirs = respond_again(tuned, move, a, t_j, len(ours.t) + 400, drive.max_force)
+    samples = round(float(ours.t[-1]) / gains.velocity_cycle) + 400
+    limit = machine.drive.max_force
+    motion = run(machine, gains, profile, nominal=machine, samples=samples, force_limit=limit)
+    theirs = judge(motion, profile, tau=gains.reference_delay, band=BAND)
     assert ours.settling_time == pytest.approx(theirs.settling_time, rel=1e-6)
-    assert ours.residual_deviation == pytest.approx(theirs.residual, rel=1e-6)
-    assert ours.peak_deviation == pytest.approx(theirs.peak, rel=1e-6)
-    assert ours.rms_force == pytest.approx(theirs.rms_force, rel=1e-3)
-
-
-def test_static_load_adds_to_the_rms_force_in_its_worse_direction(tuned: TunedLoop) -> None:
-    """The motor would be called cool because a weight happens to help the stated move."""
-    base = paper_machine().drive
-    response = respond(tuned, STEP, 1.0, 0.02, base)
-    window = response.t_end - tuned.controller.reference_delay + STEP.dwell
-    t = np.linspace(0.0, window, 40001)
-    F = np.interp(t, response.t, response.states[:, -1])
-    worse = max(np.sqrt(np.trapezoid((F + load) ** 2, t) / window) for load in (300.0, -300.0))
-    for load in (300.0, -300.0):
-        loaded = respond(tuned, STEP, 1.0, 0.02, replace(base, static_load=load))
-        assert loaded.rms_force == pytest.approx(worse, rel=1e-4)
-
-
-@pytest.mark.parametrize(("a", "t_j"), [(0.04, 0.05), (0.2, 0.2)])
-def test_a_residual_far_within_the_band_is_followed_to_its_peak(
-    tuned: TunedLoop, a: float, t_j: float
-) -> None:
-    """Moves compared by their residual would be ranked by when each simulation ended."""
-    drive = paper_machine().drive
-    ours = respond(tuned, STEP, a, t_j, drive)
-    # A long move is not looked at in every cycle.
-    count = round(float(ours.t[-1]) / tuned.controller.velocity_cycle)
-    theirs = respond_again(tuned, STEP, a, t_j, count + 4000, drive.max_force)
-    assert ours.residual_deviation < 0.01 * BAND
     assert ours.residual_deviation == pytest.approx(theirs.residual, rel=1e-4)
-    # The verdict still rests on the band alone: a wider one settles no later.
-    setpoint = plan_setpoint(STEP, MotionLimits(acceleration=a, jerk=a / t_j))
-    wide = simulate(tuned.loops[0], setpoint, drive=drive, band=1e3 * BAND)
-    assert wide.settling_time == ours.settling_time == ours.t_end
-    assert wide.residual_deviation == pytest.approx(ours.residual_deviation, rel=1e-4)
+    assert ours.peak_deviation == pytest.approx(theirs.peak, rel=1e-6)
+    for load in (0.0, 300.0, -300.0):  # in its worse direction
+        loaded = respond(tuned, move, a, t_j, replace(machine.drive, static_load=load))
+        heat = rms_force(motion, profile, dwell=move.dwell, load=load)
+        assert loaded.rms_force == pytest.approx(heat, rel=1e-3) or loaded.saturated
 
 
 def test_a_band_that_is_never_reached_is_not_settled(tuned: TunedLoop) -> None:
@@ -104,16 +71,15 @@ def test_a_band_that_is_never_reached_is_not_settled(tuned: TunedLoop) -> None:
 def test_amplitude_of_a_free_mode_is_its_largest_swing(tuned: TunedLoop) -> None:
     """The sheet tells a slow servo tail from a vibration by this number."""
     response = respond(tuned, STEP, 1.4, 0.004, paper_machine().drive)
-    axis = axis_of(paper_machine())
+    plant = tuned.loops[0].plant
     start = response.states[int(np.argmax(response.t >= response.t_end - 1e-12))]
-    for k, vibration in enumerate(axis.modes):
-        axis.put(start)
-        static, force, swing = axis.F / abs(vibration.pole) ** 2, axis.F, []
-        for _ in range(400):  # a period and more, under the force of that instant
-            axis.advance(force, 5e-5)
-            swing.append(abs(vibration.tool) * abs(vibration.q - static))
-        assert max(swing) <= response.mode_amplitudes[k] * (1 + 1e-9)
-        assert max(swing) >= 0.8 * response.mode_amplitudes[k]
+    for mode, amplitude in zip(plant.modes, response.mode_amplitudes, strict=True):
+        pair = [mode.deflection, mode.rate]
+        A, force = plant.A[np.ix_(pair, pair)], plant.A[pair, -1] * start[-1]
+        static = -np.linalg.solve(A, force)  # swings about it under the force of that instant
+        swing = [(expm(A * t) @ (start[pair] - static))[0] for t in 5e-5 * np.arange(400)]
+        tool = abs(plant.row("tcp")[mode.deflection]) * np.abs(swing).max()
+        assert 0.8 * amplitude <= tool <= amplitude * (1 + 1e-9)
 
 
 SLOW = MotionLimits(acceleration=1.12, jerk=2250.0)
@@ -128,7 +94,7 @@ def test_a_vibration_that_outlasts_the_horizon_within_the_band_is_settled() -> N
     assert abs(ours.deviation[-1000:]).max() > DECAYED * band
     profile = profile_of(move, SLOW.acceleration, SLOW.jerk)
     motion = run(machine, tuned.controller, profile, nominal=machine, samples=8000)
-    theirs = judge(motion, profile, tau=tuned.controller.reference_delay, band=band, dwell=0.0)
+    theirs = judge(motion, profile, tau=tuned.controller.reference_delay, band=band)
     assert ours.residual_deviation == pytest.approx(theirs.residual, rel=1e-5)
     assert ours.residual_deviation < band
     assert ours.settling_time == ours.t_end == pytest.approx(theirs.settling_time, rel=1e-6)

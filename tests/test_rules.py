@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from math import pi, sqrt
 
 import pytest
 
 from mtcommission.base.messages.catalogue import Catalogue
-from mtcommission.base.messages.message import Message
-from mtcommission.limits.judge import evaluate
 from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb
-from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.plant.plant import build_plant
-from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.study.variations import Row, judge
 from tests.machines import paper_machine
 
 
@@ -41,18 +35,3 @@ def test_rules_on_the_papers_machine_by_hand() -> None:
     for name, (acceleration, jerk) in expected.items():
         assert rules[name].acceleration == pytest.approx(acceleration), name
         assert rules[name].jerk == pytest.approx(jerk), name
-
-
-@pytest.mark.parametrize(("acceleration", "jerk"), [(1.0, 25.0), (1.5, 50.0), (2.5, 1300.0)])
-def test_a_row_is_judged_like_the_recommendation(acceleration: float, jerk: float) -> None:
-    """If it failed, a rule would be called good that smaller moves, or the verdict, refuse."""
-    machine = paper_machine()
-    needs = replace(machine.requirements, every_size=True)
-    machine = replace(machine, requirements=needs)
-    tuned, limits = tune_loop(machine), MotionLimits(acceleration=acceleration, jerk=jerk)
-    found = judge(Row(label=Message("x"), machine=machine, tuned=tuned, limits=limits))
-    own = evaluate(machine, tuned, limits)
-    assert found.settling_time == own.settling_time
-    assert found.residual_deviation == own.residual_deviation
-    assert found.assessment.is_met == own.assessment.is_met
-    assert found.assessment.keeps_reserve == own.assessment.keeps_reserve

@@ -22,7 +22,7 @@ from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.profile.read import read_profile
 from mtcommission.setpoint.smaller_moves import resize, size_of
 from mtcommission.study.loops import settle_on_loop
-from tests.independent_loop import behind, judge, profile_of, quiet_copy, run
+from tests.independent_loop import behind, judge, profile_of, quiet_copy, rms_force, run
 
 PROFILES = sorted((Path(__file__).parent.parent / "profiles").glob("*.toml"))
 
@@ -66,12 +66,8 @@ def broken_requirements(machine: Machine, shares: Sequence[float] = (1.0,)) -> l
                 profile,
                 tau=gains.reference_delay,
                 band=needs.tcp_deviation,
-                dwell=move.dwell,
             )
-            grid = np.linspace(0.0, profile.end + move.dwell, 20001)
-            motor = np.interp(grid, motion.t, motion.states[:, -1], right=0.0)
-            load = abs(drive.static_load)
-            rms = np.sqrt(found.rms_force**2 + load**2 + 2.0 * load * abs(np.mean(motor)))
+            rms = rms_force(motion, profile, dwell=move.dwell, load=drive.static_load)
             peaks = [
                 (peak.name, float(np.max(np.abs(motion.states @ plant.row(peak.name)))), peak.value)
                 for peak in needs.peaks
@@ -80,7 +76,7 @@ def broken_requirements(machine: Machine, shares: Sequence[float] = (1.0,)) -> l
                 ("residual", found.residual, needs.tcp_deviation),
                 ("settling", found.settling_time if share == 1.0 else 0.0, needs.max_settling_time),
                 ("force", float(np.max(np.abs(motion.force))), drive.motion_force),
-                ("RMS force", float(rms), drive.continuous_force),
+                ("RMS force", rms, drive.continuous_force),
                 *peaks,
             ):
                 if value > limit * (1.0 + EXACTLY):

@@ -4,40 +4,26 @@ from __future__ import annotations
 
 import json
 import re
-import sys
 from dataclasses import replace
 from html import unescape
-from itertools import pairwise
 from pathlib import Path
 
-import numpy as np
 import pytest
-from numpy.typing import NDArray
-from scipy.integrate import solve_ivp
 
-from mtcommission import cli
 from mtcommission.base.messages import LANGUAGES
 from mtcommission.base.messages.catalogue import Catalogue
-from mtcommission.cli.terminal import fold
-from mtcommission.cli.validation_view import describe_validation
 from mtcommission.machine.moves import VelocityStep
 from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.optimal.control import follow_control
 from mtcommission.validate import page
-from mtcommission.validate.adjoint import (
-    law_residual,
-)
 from mtcommission.validate.bounded import bounded_rows, damping_rows
-from mtcommission.validate.free import printed_control_error, scan_forces, time_rows
+from mtcommission.validate.free import scan_forces, time_rows
 from mtcommission.validate.page import Validation, name_of, print_validation, validate
-from mtcommission.validate.paper import SWITCHING_TIMES, T_F, Row, Verdict, claim, number, tell
+from mtcommission.validate.paper import T_F, Row, Verdict, claim, number, tell
+from tests.conftest import Run
 from tests.machines import paper_machine
 
-Array = NDArray[np.float64]
-
 STEP = VelocityStep(velocity_step=0.1)
-M_B, M_S, J, R, T = 450.0, 750.0, 40.0, 0.25, 2.5e-3
-K_B, D_B, K, D = 4.441e7, 8500.0, 8.2e6, 1800.0
 
 
 @pytest.fixture(scope="module")
@@ -48,27 +34,6 @@ def found() -> Validation:
 @pytest.fixture(scope="module")
 def plant() -> Plant:
     return build_plant(paper_machine())
-
-
-def rate(x: Array, force: float) -> list[float]:
-    """Eq. (1), typed in from the paper."""
-    x_b, _, phi, v_b, v_s, v_phi, F = x
-    return [
-        v_b,
-        v_s,
-        v_phi,
-        -(K_B * x_b + D_B * v_b + F) / M_B,
-        F / M_S,
-        (R * F - K * phi - D * v_phi) / J,
-        (force - F) / T,
-    ]
-
-
-def integrate(x: Array, force: float, length: float) -> Array:
-    solved = solve_ivp(
-        lambda _, y: rate(y, force), (0.0, length), x, method="DOP853", rtol=1e-12, atol=1e-16
-    )
-    return np.asarray(solved.y[:, -1])
 
 
 def pick(rows: list[Row], key: str, **values: object) -> Row:
@@ -90,19 +55,6 @@ def test_every_row_is_explained(found: Validation) -> None:
         told = [(row, tell(row, Catalogue(language))) for row in found.rows]
         assert all(one.reason for row, one in told if row.verdict is not Verdict.AGREES)
         assert all(one.basis and one.ours and one.quantity for _, one in told)
-
-
-def test_rows_read_in_the_language_that_is_asked_for(found: Validation) -> None:
-    """A German sheet's rows were English; only what the paper prints stays as it prints it."""
-    english, german = (
-        [tell(row, Catalogue(language)) for row in found.rows] for language in ("en", "de")
-    )
-    for row, one, other in zip(found.rows, english, german, strict=True):
-        assert one.printed == row.printed
-        assert other.printed == (row.printed if row.is_claim else row.printed.replace(".", ","))
-        assert one.basis != other.basis
-        assert not one.reason or one.reason != other.reason
-        assert not re.search(r" the | of | with |\d\.\d+ (ms|µs|m/s)", other.ours + other.reason)
 
 
 def test_numbers_are_judged_by_their_tolerance() -> None:
@@ -143,16 +95,6 @@ def test_a_wrong_solver_is_caught(found: Validation) -> None:
     assert arcs.verdict is Verdict.OUT
 
 
-def test_printed_control_integrated_by_a_general_solver(plant: Plant) -> None:
-    """Eq. (12) ends with v_s = 0.100028 m/s, F = 3.5 N, v_b = 4e-5 m/s."""
-    x, force = np.zeros(7), 2e3
-    for start, end in pairwise((0.0, *SWITCHING_TIMES, T_F)):
-        x, force = integrate(x, force, end - start), -force
-    x[1], x[4] = 0.0, x[4] - 0.1
-    assert printed_control_error(plant) == pytest.approx(x, rel=1e-6, abs=1e-12)
-    assert x[[4, 6, 3]] == pytest.approx([2.8e-5, 3.47, 3.87e-5], rel=0.02)
-
-
 def test_scan_finds_the_range_of_seven_switches(plant: Plant) -> None:
     scan = scan_forces(plant, STEP, lowest=1200.0, highest=1350.0, count=6)
     ((lowest, highest, optima),) = scan.ranges
@@ -161,26 +103,6 @@ def test_scan_finds_the_range_of_seven_switches(plant: Plant) -> None:
     assert (lowest, highest) == pytest.approx((1252.65, 1294.6), rel=2e-4)
     ((lowest, *_),) = scan_forces(plant, STEP, lowest=1270.0, highest=1350.0, count=3).ranges
     assert lowest == pytest.approx(1270.0)
-
-
-def test_law_is_found_from_the_force_alone(found: Validation, plant: Plant) -> None:
-    damping = found.cases.damping
-    assert law_residual(plant, damping, samples=40_000) < 1e-7
-    scaled = replace(
-        damping, arcs=tuple(replace(arc, output=0.99 * arc.output) for arc in damping.arcs)
-    )
-    assert law_residual(plant, scaled, samples=4000) > 1e-4
-
-
-def test_terminal_shows_80_columns(found: Validation) -> None:
-    lines = fold(describe_validation(found, Catalogue(), every_row=True))
-    assert max(map(len, lines)) <= 80
-    german = fold(describe_validation(found, Catalogue("de"), every_row=True))
-    assert max(map(len, german)) <= 80
-    assert "Zeitoptimale Steuerung (Abschn. 5.1)" in german
-    text = " ".join(" ".join(lines).split())
-    for row in found.rows:
-        assert tell(row, Catalogue()).ours.split()[0] in text
 
 
 def documented_rows() -> list[list[str]]:
@@ -212,40 +134,25 @@ def test_page_names_first_what_does_not_hold(found: Validation) -> None:
     """A reader must not have to search 70 rows for what the paper got wrong."""
     printed = unescape(print_validation(found, Catalogue(), created="today"))
     head = printed[: printed.index('id="part-1"')]
-    assert "for all F_max > 0 (sec. 5, (11)): printed 5 for all values of F_max > 0; ours" in head
     assert "relative (sec. 5.2): printed 0.23; correct 0.1998621" in head
     assert head.count("Does not hold:") == 4
     assert head.count("Misprint:") == 9
-    assert "<th" not in head
     german = unescape(print_validation(found, Catalogue("de"), created="heute"))
-    assert '<html lang="de">' in german
     assert german.count("Gilt nicht:") == 4
-    assert "Toleranz oder Prüfung von" in german
 
 
 @pytest.mark.parametrize("is_met", [True, False])
 def test_command(
-    found: Validation,
-    is_met: bool,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-    tmp_path: object,
+    found: Validation, is_met: bool, monkeypatch: pytest.MonkeyPatch, run: Run, tmp_path: Path
 ) -> None:
     """argv -> JSON alone on standard output, the page in its folder, exit code by verdict."""
     row = number("increase", 1.0, 1.0 if is_met else 2.0, 0.0)
     shown = replace(found, parts=found.parts | {"more": [row]})
     monkeypatch.setattr(page, "validate", lambda progress: shown)
-    monkeypatch.setattr(
-        sys, "argv", ["mtcommission", "validate", "--json", "-", "-o", f"{tmp_path}/out"]
-    )
-    with pytest.raises(SystemExit) as stopped:
-        cli.main()
-    assert stopped.value.code == (0 if is_met else 1)
-    entry = json.loads(capsys.readouterr().out)
+    code, said, _ = run("validate", "--json", "-", "-o", tmp_path / "out")
+    assert code == (0 if is_met else 1)
+    entry = json.loads(said)
     assert entry["met"] is is_met
     assert len(entry["rows"]) == len(found.rows) + 1
     assert entry["rows"][-1]["difference"] == (0.0 if is_met else 1.0)
-    claims = [item for item in entry["rows"] if item["tolerance"] is None]
-    assert len(claims) == sum(row.is_claim for row in found.rows)
-    with open(f"{tmp_path}/out/validation.html", encoding="utf-8") as file:
-        assert "Figures 4 and 5" in file.read()
+    assert (tmp_path / "out" / "validation.html").exists()
