@@ -186,7 +186,7 @@ def behind(profile: Profile, item: SetpointFilter | None) -> Profile:
     if item is None:
         return profile
     means = tuple(T for T in (item.time, item.second_time) if T)
-    return replace(profile, means=means).copied(*(item.impulses or ((0.0,), (1.0,))))
+    return replace(profile, means=means).copied(*item.impulses)
 
 
 def profile_of_record(move: Json) -> Profile:
@@ -362,16 +362,17 @@ def _position_cycle(
 
     def hand_down(n: int, y: float) -> Callable[[float], tuple[float, float, float]]:
         t = n * T_p
-        c = gains.position_gain * (late(t - tau)[0] - y)
+        c = gains.position_gain * float(late(t - tau)[0] - y)
         if gains.position_loop is PositionLoop.CONTROL:
-            v = late(t - max(tau + T_v / 2 - D, 0.0))[1]
+            v = float(late(t - max(tau + T_v / 2 - D, 0.0))[1])
             old = late(t - max(tau - D, 0.0))
-            rate = K @ wanted_of(np.append(old[1:], 0.0))
-            f = f_ff(n) + K @ wanted_of(old) - rate * (T_p - T_v) / 2
+            rate = float(K @ wanted_of(np.append(old[1:], 0.0)))
+            f = f_ff(n) + float(K @ wanted_of(old)) - rate * (T_p - T_v) / 2
             return lambda s: (c, v, f + rate * s)
         age = max(tau - 2 * T_p, 0.0)
         r0, r1 = late(t - age - T_p), late(t - age)
-        f0, f1 = f_ff(n - 1) + K @ wanted_of(r0), f_ff(n) + K @ wanted_of(r1)
+        f0 = f_ff(n - 1) + float(K @ wanted_of(r0))
+        f1 = f_ff(n) + float(K @ wanted_of(r1))
         b = 3 * (r1[0] - r0[0]) - T_p * (2 * r0[1] + r1[1])
         d = 2 * (r0[0] - r1[0]) + T_p * (r0[1] + r1[1])
 

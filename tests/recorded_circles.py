@@ -8,9 +8,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.group.contours import Pair
-from mtcommission.loop.simulate import drive_loop, find_friction
-
 Array = NDArray[np.float64]
 
 
@@ -59,50 +56,6 @@ def draw(how: Spoilt) -> dict[str, Array]:
         "y_ref": how.radius * np.sin(phase) + how.centre[1],
         "x": x,
         "y": y,
-    }
-
-
-def step_axes(
-    axes: Pair, *, radius: float, feed: float, turns: float, sign: float
-) -> dict[str, Array]:
-    """Columns of a circle that both loops drive from rest, with the friction of their profiles."""
-    controller = axes[0].tuned.controller
-    T_p, T_v, fine = controller.position_cycle, controller.velocity_cycle, 16
-    omega, ramp = sign * feed / radius, 0.3
-    t = (
-        T_p
-        / fine
-        * np.arange(-8 * fine, int((2.0 * np.pi * turns / abs(omega) + ramp) / T_p) * fine)
-    )
-
-    def turned(t: Array) -> Array:
-        # The feed rises smoothly; the circle begins at the top, where x moves first.
-        share = np.clip(t / ramp, 0.0, 1.0)
-        return omega * np.where(t < ramp, ramp * (share**3 - 0.5 * share**4), t - 0.5 * ramp)
-
-    columns = {}
-    for axis, letter, wave in zip(axes, "xy", (np.cos, np.sin), strict=True):
-        x = [radius * wave(turned(t - axis.wait))]
-        for _ in range(3):
-            x.append(np.gradient(x[-1], T_p / fine, edge_order=2))
-        item, drive = axis.setpoint_filter, axis.machine.drive
-        width = round(item.time / T_p * fine) if item else 1
-        mean = np.ones(width) / width
-        held = np.array([np.convolve(one, mean)[: t.size] for one in (x[0] - x[0][0], *x[1:])])
-        friction = find_friction(
-            axis.tuned.loops[0].plant,
-            coulomb=drive.coulomb_friction,
-            viscous=drive.viscous_friction,
-            step=T_v,
-        )
-        out = drive_loop(axis.tuned.loops[0], held[:, ::fine].T, friction=friction)
-        columns[f"{letter}_ref"] = np.repeat(radius * wave(turned(t[::fine])), controller.cycles)
-        columns[letter] = out[:, 0] + x[0][0]
-    # The setpoint is known at every position cycle, the tool at every velocity cycle.
-    every = controller.cycles
-    return {
-        "t": T_p * np.arange(columns["x"].size // every),
-        **{name: values[::every] for name, values in columns.items()},
     }
 
 

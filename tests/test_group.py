@@ -35,7 +35,6 @@ from mtcommission.group.task import Task, read_task
 from mtcommission.machine.moves import Positioning
 from mtcommission.machine.profile.read import parse_profile, read_source
 from mtcommission.machine.setpoint_filter import moving_average
-from mtcommission.study.variations import Row, choose
 from tests.group_record import PROFILES, driven, mill
 from tests.independent_circle import circle_off, corner_off, entry_off, line_off
 
@@ -257,23 +256,6 @@ def test_axes_come_as_late_as_the_slowest_where_the_control_takes_a_wait() -> No
     assert max(abs(wait - round(wait)) for wait in waits) > 0.05
     assert first.delay == pytest.approx(second.delay, abs=0.1e-6)
     assert draw_circles(found, ((50e-3, 0.1),))[0].form_deviation < 2e-6
-    other = ('kind = "sinumerik"', 'kind = "heidenhain"')
-    found = join(task_of((changed, other), (other,)))
-    first, second = found.pair
-    assert [axis.wait for axis in found.pair] == [0.0, 0.0]
-    apart = abs(first.delay - second.delay)
-    assert draw_circles(found, ((50e-3, 0.1),))[0].form_deviation > 0.1 * apart > 1e-6
-    record = build_group_record(found, created="today")
-    assert "group-delays-apart" in {getattr(one, "kind", "") for one in record.warnings}
-
-
-def test_no_axis_is_slower_than_alone_with_the_same_filter(joined: Group) -> None:
-    item = joined.setpoint_filter
-    for axis in joined.axes:
-        control = replace(axis.machine.control, setpoint_filter=item, seeks_setpoint_filter=False)
-        alone = Row(machine=replace(axis.machine, control=control), tuned=axis.follower.tuned)
-        own = choose(alone).candidate.settling_time
-        assert axis.choice.candidate.settling_time <= 1.01 * own
 
 
 def test_limits_of_the_path_slow_each_axis_and_its_verdict() -> None:

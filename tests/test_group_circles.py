@@ -15,8 +15,9 @@ from mtcommission.group.recorded import read_circular
 from mtcommission.group.verify import CircleVerification, verify_circles
 from mtcommission.verify.checks import Check, Verdict
 from tests.conftest import Run
-from tests.group_record import mill_record, printer_record, write_mill
-from tests.recorded_circles import Spoilt, draw, step_axes, write_ballbar, write_csv
+from tests.group_record import driven, mill, mill_record, printer_record, write_mill
+from tests.independent_circle import Road, drive
+from tests.recorded_circles import Spoilt, draw, write_ballbar, write_csv
 
 
 @pytest.fixture(scope="module")
@@ -134,10 +135,19 @@ def test_what_a_scale_may_do_is_not_judged_to_fail(record: GroupRecord, tmp_path
 def test_loops_that_are_stepped_with_friction_keep_their_prediction(
     record: GroupRecord, tmp_path: Path
 ) -> None:
-    axes, traces = read_pair(record), []
+    group, traces = mill(), []
+    friction = tuple(axis.machine.drive.coulomb_friction for axis in group.drawn)
+    R, feed = 20e-3, 3.0 / 60.0
+    how = {"feed": feed, "duration": 0.5 + 1.7 * 2.0 * np.pi * R / feed, "coulomb": friction}
     for sign in (1.0, -1.0):
-        columns = step_axes(axes, radius=20e-3, feed=3.0 / 60.0, turns=1.7, sign=sign)
-        file = write_csv(tmp_path / f"stepped{sign:+.0f}.csv", columns)
+        road = Road(((1.0, sign / R),))
+        t, (x, y) = drive(driven(group), group.setpoint_filter, road, **how)
+        x_ref, y_ref = (
+            np.array([road.setpoint(feed, 0.0, k)(s)[0] for s in t.tolist()]) for k in (0, 1)
+        )
+        columns = {"t": t, "x_ref": x_ref, "y_ref": y_ref, "x": x, "y": y}
+        every = {name: values[::8] for name, values in columns.items()}
+        file = write_csv(tmp_path / f"stepped{sign:+.0f}.csv", every)
         traces.append(read_circular(str(file), {}, record.plane))
     found = verify_circles(record, traces)
     assert {one.name: one.verdict for one in found.checks} == {

@@ -130,7 +130,7 @@ def test_a_record_is_explained_by_the_model_that_came_from_it(tmp_path) -> None:
     step = 1e-3
     files = []
     for place in range(2):
-        force = 50 * rng.normal(size=24000)
+        force = 50 * rng.normal(size=12000)
         encoder, _ = made.Axis(step).positions(force)
         velocity = np.gradient(encoder, step)
         t = step * np.arange(force.size)

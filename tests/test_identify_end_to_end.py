@@ -22,37 +22,13 @@ from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import NOMINAL, Machine
 from mtcommission.machine.plant.plant import OUTPUTS, Plant, build_plant
 from mtcommission.machine.profile.read import parse_profile
+from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.setpoint.motion_limits import MotionLimits
 from tests import identify_files as made
 from tests import measured_example
 from tests.conftest import Run
 
-TRUE = """\
-schema = 1
-
-[machine]
-name = "Measured axis"
-axis = "X"
-source = "made up"
-
-[plant]
-kind = "modal"
-moving_mass = "210 kg"
-
-[[plant.modes]]
-name = "beam"
-frequency = "33.7 Hz"
-damping_ratio = 0.017
-tcp_gain = "2.6e-3 1/kg"
-measured_gain = "0.9e-3 1/kg"
-
-[[plant.modes]]
-name = "ram"
-frequency = "92.4 Hz"
-damping_ratio = 0.031
-tcp_gain = "-3.1e-3 1/kg"
-measured_gain = "0.6e-3 1/kg"
-"""
+TRUE = read_shipped("modal-two-modes").text.replace('"38 Hz"', '"33.7 Hz"')
 """What nobody knows."""
 
 KNOWN = {

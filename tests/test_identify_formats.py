@@ -148,17 +148,6 @@ def test_a_session_may_lack_the_line_at_zero() -> None:
     same(one(made.session(f, H, gamma2), Given()), ENCODER, close=1e-12)
 
 
-def test_a_session_with_a_real_coherence_and_lengths_elsewhere() -> None:
-    text = made.session(LINES, ENCODER, GAMMA2).decode("latin-1")
-    text = re.sub(r'<unsigned_int name="m_length">\d+</unsigned_int>', "", text)
-    series = re.findall(r"<NumericArray.*?</NumericArray>", text, re.DOTALL)
-    real = made.numeric_array("m_ValueVector", "double", GAMMA2)
-    found = one(text.replace(series[2], real).encode("latin-1"), Given())
-    same(found, ENCODER, close=1e-12)
-    assert found.coherence == pytest.approx(GAMMA2, rel=1e-12)
-    assert (found.output, found.sensor, found.rotary) == (Signal.VELOCITY, Sensor.ENCODER, True)
-
-
 def test_sinumerik_measurement_by_its_spectra() -> None:
     given = Given(input="torque", output=Signal.VELOCITY)
     found = one(made.measurement(LINES, ENCODER, GAMMA2), given)
@@ -228,7 +217,6 @@ def signals() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 T, F, X = signals()
-NAMED = Given(columns={"force": "F [kN]", "encoder": "X [mm]"})
 
 
 def time_files() -> dict[str, tuple[bytes, Given]]:
@@ -290,15 +278,6 @@ def test_the_format_is_told_by_content_not_by_name(tmp_path: Path) -> None:
     assert [one_.sensor for one_ in found] == [Sensor.ENCODER, Sensor.TCP]
     assert [len(one_.source.sha256) for one_ in found] == [64, 64]
     same(found[1], TOOL)
-
-
-def test_overruns_leave_the_longest_piece() -> None:
-    data = made.table([], [F[:1200], X[:1200]], separator=" ").splitlines()
-    data.insert(300, b"overrun")
-    columns = {"force": "1 [N]", "encoder": "2 [m]", "sample_time": "1 ms"}
-    record = record_of(b"\n".join(data), Given(columns=columns))
-    assert record.size == 900
-    assert record.remarks[0].kind == "identify-overruns"
 
 
 def test_real_twincat_export_is_read_and_asks_for_names() -> None:

@@ -85,41 +85,6 @@ def test_welch_says_its_window_and_its_errors_are_as_stated() -> None:
     assert np.abs(one.values / truth - 1)[~inside].max() < 0.3
 
 
-def closed_loop(seed: int, size: int = 60_000) -> list[np.ndarray]:
-    """A velocity loop with an excitation and a disturbance force, which the drive does not know."""
-    rng = np.random.default_rng(seed)
-    excitation, disturbance = rng.standard_normal((2, size))
-    disturbance = 0.3 * lfilter([1.0], [1.0, -0.9], disturbance)
-    A, B, C = made.Axis(STEP).discrete
-    state, last, force, v = np.zeros(len(A)), 0.0, np.zeros(size), np.zeros(size)
-    for k in range(size):
-        x = C[0] @ state
-        v[k], last = (x - last) / STEP, x
-        force[k] = excitation[k] - 15_000.0 * v[k]
-        state = A @ state + B[:, 0] * (force[k] + disturbance[k])
-    return [STEP * np.arange(size), force, v, excitation]
-
-
-def test_a_recorded_excitation_undoes_the_bias_of_a_closed_loop() -> None:
-    t, force, v, excitation = closed_loop(5)
-    heads = ["t [s]", "force [N]", "velocity [m/s]", "excitation [N]"]
-    joint = found(heads, [t, force, v, excitation])
-    plain = found(heads[:3], [t, force, v])
-    assert "identify-joint-estimate" in kinds(joint)
-    assert "identify-no-reference" in kinds(plain)
-
-    def error(one: FrequencyResponse) -> float:
-        f = one.frequency_hz
-        # The rate over a sample: that of the position, so half a sample late.
-        lag = (1 - np.exp(-2j * np.pi * f * STEP)) / STEP
-        truth = made.held(f, STEP, derivative=0) * lag
-        inside = (f > 5) & (f < 30)
-        return float(np.abs(np.mean((one.values / truth)[inside]) - 1))
-
-    assert error(plain) > 0.4  # else there is nothing to undo
-    assert error(joint) < 0.2
-
-
 def test_blows_of_a_hammer() -> None:
     rng = np.random.default_rng(6)
     force = np.zeros(20_000)

@@ -85,14 +85,3 @@ def test_what_the_control_lacks_or_has_on_is_not_offered() -> None:
     _, found = improvements_of(replace(machine, moves=machine.moves[1:], control=control))
     missing = {"change-dsc", "change-interpolation", "change-feedforward", "change-force-filters"}
     assert not missing & set(found)
-
-
-def test_a_change_that_leaves_no_loop_is_named_and_comes_last(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr("mtcommission.study.improvements.tune_shape", lambda *_, **__: None)
-    _, found = improvements_of(honing_without_feedforward())
-    outcomes = [item.outcome for item in found.values()]
-    assert all(outcomes)
-    assert found["change-lag"].outcome is not None
-    assert found["change-lag"].outcome.kind == "change-without-margins"

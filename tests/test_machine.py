@@ -52,6 +52,7 @@ def test_payload_turns_the_tower_only_with_a_radius() -> None:
     """The definition: payload adds to the inertia only if payload_radius is given."""
     machine, corner = paper_machine(), Corner(payload=100.0)
     parts = vary(machine, corner).mechanics
+    assert isinstance(parts, Manipulator)
     assert parts.rotary_inertia == 40.0
     away = replace(machine, requirements=replace(machine.requirements, payload_radius=0.3))
     parts = vary(away, corner).mechanics

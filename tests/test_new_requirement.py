@@ -23,7 +23,7 @@ from mtcommission.loop.respond import Signal, output_of_states
 from mtcommission.loop.simulate import LoopResponse
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.keys import keyed
-from mtcommission.machine.machine import Corner, Machine, corners
+from mtcommission.machine.machine import Corner, Machine
 from mtcommission.machine.plant.plant import Plant
 from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.machine.readers import VELOCITIES
@@ -31,7 +31,6 @@ from mtcommission.machine.requirements import Requirements
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import sample_setpoint
 from mtcommission.setpoint.smaller_moves import resize, size_of
-from mtcommission.study.robustness import respond_varied
 from tests import test_what_if as page
 
 
@@ -106,20 +105,6 @@ def test_no_size_in_no_corner_leaves_its_bound(axis: Machine) -> None:
         for result in simulate_moves(replace(axis, moves=moves), tuned, limits):
             worst = max(worst, result.values[-1].max())
     assert 0.5 * found.value < worst <= found.bound
-
-
-def test_what_the_judge_takes_is_the_derivative_of_the_tool(axis: Machine) -> None:
-    """By poles and simulated it is the same, and that of the positions that were simulated."""
-    tuned = tune_loop(axis)
-    limits = MotionLimits(acceleration=9.0, jerk=280.0)
-    varied = respond_varied(axis, tuned, limits, corners(axis)).values[:, -1]
-    results = simulate_moves(axis, tuned, limits)
-    assert np.max([one.values[-1] for one in results], axis=0) == pytest.approx(varied, rel=5e-3)
-    for result in results:
-        nominal = result.responses[0]
-        late = nominal.t >= nominal.t_end
-        rate = np.gradient(nominal.deviation[late], nominal.t[late])[1:-1]
-        assert np.abs(rate).max() == pytest.approx(result.values[-1, 0], rel=2e-2)
 
 
 @page.needs_browser

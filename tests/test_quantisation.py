@@ -83,17 +83,3 @@ def test_rounding_stays_within_the_noise_that_is_counted(seed: int) -> None:
     assert np.max(tool) > 0.05
     assert np.max(force) > 0.5
     assert steps < 10.0
-
-
-def test_a_low_pass_calms_the_force_and_no_encoder_none() -> None:
-    """A number for what was not stated would be taken off the limits for nothing."""
-    plain, calm = (
-        tune_loop(quiet_copy(paper_machine(), force_filters=filters)).loops[0]
-        for filters in ((), (LOW_PASS,))
-    )
-    coarse = encoder_noise(plain, resolution=1e-7)
-    Kp = plain.controller.velocity_gain
-    assert coarse.force > Kp * 1e-7 / plain.controller.velocity_cycle
-    assert encoder_noise(calm, resolution=1e-7).force < 0.5 * coarse.force
-    nothing = encoder_noise(plain, resolution=0.0)
-    assert (nothing.tool, nothing.force) == (0.0, 0.0)

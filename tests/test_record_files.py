@@ -10,11 +10,9 @@ import pytest
 from benchmarks.fuzz import call
 from benchmarks.mutations import dice_of, mutated_text
 from mtcommission.base.errors import InputError
-from mtcommission.base.messages.message import Message
 from mtcommission.record.record import SCHEMA, load_record
 from mtcommission.record.shape import find_checksum
-from mtcommission.sheet.content import remark_on_print
-from tests.sheet_record import example_record, on_json
+from tests.sheet_record import example_record
 
 
 def sealed(record, path: Path) -> Path:
@@ -76,12 +74,3 @@ def test_damaged_records_are_refused(tmp_path: Path) -> None:
             refused.append(str(error))
     assert len(refused) > 8
     assert all("record.json" in said for said in refused)
-
-
-def test_letters_that_the_font_lacks_are_named() -> None:
-    """A Chinese name came out as boxes without a word."""
-    record = example_record()
-    record["machine"] |= {"name": "Fräse Φ 机床 机", "source": "≤ µ ± Ж"}
-    assert on_json(remark_on_print)(record) == (Message("print-boxes", characters="机床"),)
-    record["machine"]["name"] = "Fräse Φ"
-    assert on_json(remark_on_print)(record) == ()

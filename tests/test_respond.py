@@ -9,7 +9,6 @@ import pytest
 from numpy.typing import NDArray
 
 from mtcommission.controls.kind import TWO_AVERAGES, PositionLoop
-from mtcommission.limits.requirements import rms_forces
 from mtcommission.loop import poles as pole_module
 from mtcommission.loop.poles import LoopPoles, find_poles
 from mtcommission.loop.respond import extremes, free_motion, lay_grid, outputs_at, set_in_motion
@@ -121,20 +120,6 @@ def test_what_is_left_and_what_is_asked_for_agree_with_every_sample(name: str) -
             settled = free.settling(band)[i, -1]
             if np.isfinite(settled):
                 assert settled == pytest.approx(full.settling_time, rel=2e-3)
-
-
-@pytest.mark.parametrize("name", ["paper", "two averages", "drive", "four modes"])
-def test_rms_force_is_that_of_every_sample(name: str) -> None:
-    """A drive would run hot on limits that were called cool."""
-    machine = MACHINES[name]
-    tuned = tune_loop(machine)
-    poles = find_poles(tuned.loops)
-    for move in MOVES[:3]:
-        a, j = limits(machine, 2)
-        full = sampled(machine, tuned, move, a[0], j[0])
-        steps = steps_of(machine, move, a[:1], j[:1])
-        found = rms_forces(machine, poles, move, steps, 4000)
-        assert found[-1] == pytest.approx(full.rms_force, rel=5e-3)
 
 
 def test_where_poles_coincide_the_loop_is_stepped(monkeypatch: pytest.MonkeyPatch) -> None:

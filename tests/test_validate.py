@@ -19,7 +19,7 @@ from mtcommission.validate import page
 from mtcommission.validate.bounded import bounded_rows, damping_rows
 from mtcommission.validate.free import scan_forces, time_rows
 from mtcommission.validate.page import Validation, name_of, print_validation, validate
-from mtcommission.validate.paper import T_F, Row, Verdict, claim, number, tell
+from mtcommission.validate.paper import T_F, Row, Verdict, number, tell
 from tests.conftest import Run
 from tests.machines import paper_machine
 
@@ -68,14 +68,6 @@ def test_numbers_are_judged_by_their_tolerance() -> None:
     assert verdict(3.0, 2.0, corrected=1.0) is Verdict.OUT
     assert verdict(3.0, 3.05, literal=0.0) is Verdict.CORRECTED
     assert verdict(3.0, 1.0, literal=0.0) is Verdict.OUT
-
-
-def test_claims_need_confirmation_or_proof() -> None:
-    assert claim("order", holds=True, refuted=True).verdict is Verdict.AGREES
-    assert claim("order", holds=False, refuted=True).verdict is Verdict.DIFFERS
-    assert claim("order", holds=False).verdict is Verdict.OUT
-    assert claim("functional", holds=True).verdict is Verdict.CORRECTED
-    assert claim("functional", holds=False).verdict is Verdict.OUT
 
 
 def test_a_wrong_solver_is_caught(found: Validation) -> None:
