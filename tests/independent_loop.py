@@ -31,7 +31,7 @@ Json = dict[str, Any]
 
 ROUNDING = 1e-9
 
-SLICES, CREEP = 10, 2e-5
+SLICES, CREEP = 5, 2e-5
 """Of a velocity cycle in which friction is constant, and the velocity at which it has turned
 [m/s]."""
 
@@ -338,9 +338,10 @@ def drive(
                 observer.A @ estimate + observer.B * F_set
                 + observer.L @ (sensed - observer.C @ estimate)
             )  # fmt: skip
+        given = B * F_set + beside * push
         for _ in range(SLICES if coulomb else 1):
-            rubs = -coulomb * tanh(rate @ X / CREEP) if coulomb else 0.0
-            X = A @ X + B * F_set + beside * (push + rubs)
+            rubs = coulomb * tanh(rate @ X / CREEP) if coulomb else 0.0
+            X = A @ X + given - beside * rubs
         F_set, before = F_next, y
     table = np.array(noted)
     columns = (table[:, 0], table[:, 1], table[:, 2], table[:, 3:])
