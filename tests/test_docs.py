@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,9 @@ import pytest
 import typer.main
 
 from mtcommission.cli import app
+from mtcommission.group.contours import CornerSpeed
+from mtcommission.group.judged import Circle, FeedOverRadius
+from mtcommission.group.record import GroupRecord, RuleEntry
 
 ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -58,3 +62,10 @@ def test_readme_shows_the_way_of_an_axis() -> None:
     shown = [name for name, _ in calls((ROOT / "README.md").read_text("utf-8"))]
     for name in ("identify", "check", "run", "export", "verify"):
         assert name in shown
+
+
+def test_every_key_of_a_groups_record_is_listed() -> None:
+    text = (ROOT / "docs" / "group.md").read_text("utf-8")
+    for part in (GroupRecord, FeedOverRadius, Circle, CornerSpeed, RuleEntry):
+        for key in (item.name for item in fields(part)):
+            assert f"`{key}`" in text, key

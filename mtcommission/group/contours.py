@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.controls.control import Corner, CornerRule
-from mtcommission.group.follow import AFTER, Circles, Follower, starts_of
+from mtcommission.group.follow import Circles, Follower, starts_of
 from mtcommission.machine.moves import VelocityStep
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import jerk_steps
@@ -171,8 +171,9 @@ def _in_directions(C_x: Complex, C_y: Complex) -> Iterator[Complex]:
 
 # A circle test
 
-SINCE = AFTER * (np.arange(121) / 120) ** 1.5
-"""When after a reversal the tool is looked at, close together where it moves most [s]."""
+SINCE = (np.arange(121) / 120) ** 1.5
+"""When after a reversal the tool is looked at, close together where it moves most, in times of the
+loop [-]."""
 
 PLACES = 720
 """Of a circle that are drawn, beside those after each reversal."""
@@ -214,7 +215,11 @@ def _trace(pair: Pair, radius: float, feed: float, offs: Sequence[Array]) -> Tra
     omega, quarters = feed / radius, (0.0, 0.5 * pi)
     late = [quarter + omega * axis.reverses for axis, quarter in zip(pair, quarters, strict=True)]
     every = [np.arange(PLACES) * 2.0 * pi / PLACES]
-    every += [half + after + omega * SINCE for after in late for half in (0.0, pi)]
+    every += [
+        half + after + omega * axis.fades * SINCE
+        for axis, after in zip(pair, late, strict=True)
+        for half in (0.0, pi)
+    ]
     phase = np.unique(np.concatenate(every) % (2.0 * pi))
     path = []
     for axis, quarter, after, off in zip(pair, quarters, late, offs, strict=True):

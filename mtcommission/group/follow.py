@@ -44,12 +44,13 @@ LATE = 100.0
 FINER = 4
 """Instants of a position cycle that are looked at."""
 
-RUN_IN, AFTER = 0.4, 0.2
-"""How long an axis moves before it reverses, and afterwards, where its friction is stepped [s]: the
-integrator has taken up the friction by then (empirical)."""
+LONGEST_REVERSAL = 2.0
+"""What friction does at a reversal is followed until the loop's slowest pole is gone, at most so
+long [s]: by then the peaks of an integrator of one second are over (empirical)."""
 
-PAUSE = 1.5 * AFTER
-"""Between two reversals where a circle is made up for its acceleration [s] (empirical)."""
+PAUSE = 1.5
+"""Between two reversals where a circle is made up for its acceleration, in times of the loop
+(empirical) [-]."""
 
 
 Circles = tuple[tuple[float, float], ...]
@@ -85,6 +86,13 @@ class Follower:
     def reverses(self) -> float:
         """By how much an axis reverses later than it is told, by wait and filter [s]."""
         return self.wait + filter_lag(self.setpoint_filter)
+
+    @property
+    def fades(self) -> float:
+        """How long friction is followed before and after a reversal: the loop's own time [s]."""
+        poles = [pole for pole in self.poles.rates[0] if np.isfinite(pole)]
+        gone = max((swing_times(pole, PERIODS)[1] for pole in poles), default=LONGEST_REVERSAL)
+        return min(gone, LONGEST_REVERSAL)
 
     @property
     def step(self) -> float:
@@ -155,9 +163,12 @@ class Follower:
             return np.zeros((len(circles), len(corners), 1))
         radius, feed = np.repeat(circles, len(corners), axis=0).T
         loops = [self.tuned.loops[corner] for corner in corners] * len(circles)
-        gains, omega = loops[0].controller, feed / radius
-        before = np.minimum(RUN_IN, 0.5 * pi / omega)
-        t = np.arange(0.0, float(before.max()) + AFTER, gains.position_cycle)
+        gains, omega, fades = loops[0].controller, feed / radius, self.fades
+        # It moves off midway between two reversals, and reverses until what that did has faded.
+        quarter = 0.5 * pi / omega
+        more = np.ceil(np.maximum(fades - quarter, 0.0) / (2.0 * quarter))
+        before = np.minimum(fades, quarter) + 2.0 * quarter * more
+        t = np.arange(0.0, float(before.max()) + fades, gains.position_cycle)
         size = radius * np.abs(filter_response(self.setpoint_filter, omega))
         phase = omega * (t[:, None] - before)
         setpoint = np.array([np.cos(phase), -np.sin(phase), -np.cos(phase), np.sin(phase)])
@@ -166,7 +177,7 @@ class Follower:
         rubbing = drive_loops(loops, references, friction=friction_of(loops, drive))
         off = (rubbing - drive_loops(loops, references))[:, :, TOOL]
         begin = np.round(before / gains.velocity_cycle).astype(int)
-        count = round(AFTER / gains.velocity_cycle)
+        count = round(fades / gains.velocity_cycle)
         found = [one[k : k + count] for one, k in zip(off, begin.tolist(), strict=True)]
         return np.array(found).reshape(len(circles), len(corners), count)
 
@@ -179,7 +190,7 @@ class Follower:
         if not self.machine.drive.has_friction:
             return {}
         last = max(feed**2 / radius for radius, feed in circles)
-        feeds = {a: a * PAUSE / pi for a in (sqrt(last * most), most) if a > last}
+        feeds = {a: a * PAUSE * self.fades / pi for a in (sqrt(last * most), most) if a > last}
         more = tuple((feed**2 / a, feed) for a, feed in feeds.items())
         found = [self.reversals(some)[:, 0] for some in (circles, more) if some]
         accelerations = [feed**2 / radius for radius, feed in (*circles, *more)]
@@ -188,7 +199,7 @@ class Follower:
     def peak_bound(self) -> float:
         """Return what no reversal exceeds: 2 F_c times the peak after a step of force [m]."""
         loops = self.tuned.loops
-        worst = max(simulate_disturbance(loop, duration=AFTER).peak for loop in loops)
+        worst = max(simulate_disturbance(loop, duration=self.fades).peak for loop in loops)
         return 2.0 * self.machine.drive.coulomb_friction * worst
 
 

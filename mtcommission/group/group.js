@@ -63,16 +63,16 @@ const contours = (() => {
     for (let i = 0; i < PLACES; i++) phases.push(whole * i / PLACES);
     const parts = model.axes.map((axis, k) => {
       const quarter = k * Math.PI / 2, late = omega * axis.reverses;
-      for (const half of [0, 1]) for (const since of model.since) phases.push((half * Math.PI + quarter + late + omega * since) % whole);
-      return {answer: answers(model, axis, omega)[0], quarter, late, off: axis.reversals.length ? throwOff(axis, feed * feed / radius) : null};
+      for (const half of [0, 1]) for (const since of axis.since) phases.push((half * Math.PI + quarter + late + omega * since) % whole);
+      return {answer: answers(model, axis, omega)[0], quarter, late, known: axis.since, off: axis.reversals.length ? throwOff(axis, feed * feed / radius) : null};
     });
     const points = phases.sort((a, b) => a - b).map(phase => {
-      const [x, y] = parts.map(({answer, quarter, late, off}) => {
+      const [x, y] = parts.map(({answer, quarter, late, known, off}) => {
         const position = radius * times(answer, turn(phase - quarter))[0];
         if (!off) return position;
         const halves = Math.floor((phase - quarter - late) / Math.PI), since = (phase - quarter - late - halves * Math.PI) / omega;
         // No longer than it was followed.
-        const out = since > model.since[model.since.length - 1] ? 0 : mix(off, between(model.since, since));
+        const out = since > known[known.length - 1] ? 0 : mix(off, between(known, since));
         return position + (halves % 2 ? -out : out);
       });
       return {angle: Math.atan2(y, x), off: Math.hypot(x, y) - radius};

@@ -242,6 +242,7 @@ def draw_model(record: GroupRecord, pair: Pair) -> dict[str, Any]:
                 "imaginary": answers.imag.tolist(),
                 "turned": np.round(turning.tool, DECIMALS).tolist(),
                 "lag": turning.lag.tolist(),
+                "since": (axis.fades * SINCE).tolist(),
                 "reversals": _reversals(record, axis),
             }
         )
@@ -250,7 +251,6 @@ def draw_model(record: GroupRecord, pair: Pair) -> dict[str, Any]:
         "entry": rounded(find_entries(pair), DIGITS).tolist(),
         "step": turned[0].step,
         "starts": turned[0].starts.tolist(),
-        "since": SINCE.tolist(),
         "allowed": record.allowed,
         "largest_step": finite_or_none(min(one.largest_step for one in turned)),
         "arc_acceleration": share * a,
@@ -268,7 +268,7 @@ def _reversals(record: GroupRecord, axis: Follower) -> list[dict[str, Any]]:
     every = []
     for a, off in axis.thrown(record.circles, record.limits.on_circles[0]).items():
         t = axis.poles.velocity_cycle * np.arange(off.size)
-        thrown = rounded(np.interp(SINCE, t, off), DIGITS).tolist()
+        thrown = rounded(np.interp(axis.fades * SINCE, t, off), DIGITS).tolist()
         every.append({"acceleration": a, "outwards": thrown})
     return every
 

@@ -22,7 +22,6 @@ from numpy.typing import NDArray
 
 from mtcommission.base.errors import InputError
 from mtcommission.base.messages.message import Message
-from mtcommission.group.follow import AFTER
 from mtcommission.identify.columns import read_signal_unit
 from mtcommission.identify.formats.recognise import read_contents, read_measured
 from mtcommission.identify.formats.table import find_columns
@@ -175,6 +174,7 @@ class FittedCircle:
     is_assumed: bool  # whether that is only the nearest whole millimetre
     feed: float  # [m/s]
     direction: int  # 1 counterclockwise, -1 clockwise
+    window: float  # angle behind a reversal within which it throws the tool off [rad]
     centre: Array  # shape (2,) [m]
     angle: Array  # of the tool about the centre, shape (n,) [rad]
     deviation: Array  # its distance from the centre less the nominal radius, shape (n,) [m]
@@ -202,7 +202,7 @@ class FittedCircle:
         and by what lies between two of these.
         """
         own = _behind(self.angle, axis, self.direction)
-        inside = (own <= min(AFTER * self.omega, SETTINGS.behind)) | (own >= pi - SETTINGS.before)
+        inside = (own <= self.window) | (own >= pi - SETTINGS.before)
         off = self.deviation - self.fitted
         # The first and the last stretch may be cut.
         whole = [slice(*ends) for ends in runs(inside) if ends[0] > 0 and ends[1] < inside.size]
@@ -227,8 +227,10 @@ def _behind(angle: Array, axis: int, direction: int) -> Array:
     return np.asarray(np.mod(direction * (angle - 0.5 * pi * axis), pi))
 
 
-def fit_circles(trace: CircularTrace) -> list[FittedCircle]:
+def fit_circles(trace: CircularTrace, fades: float) -> list[FittedCircle]:
     """Return the longest stretch at constant feed of each direction, of at least a turn.
+
+    ``fades``: how long a reversal throws the tool off [s].
 
     Raises
     ------
@@ -261,7 +263,7 @@ def fit_circles(trace: CircularTrace) -> list[FittedCircle]:
         if settled < turned.size and turned[settled] >= SETTINGS.turn:
             part = slice(part.start + settled, part.stop)
         if turned[0] >= SETTINGS.turn:
-            found.append(_fit(trace, part, centre, radius, angle))
+            found.append(_fit(trace, part, centre, radius, angle, fades))
     if not found:
         got, last = longest
         message = Message("group-trace-arc", got=round(got * 180.0 / pi))
@@ -312,7 +314,7 @@ def _rate(t: Array, angle: Array) -> Array:
 
 
 def _fit(
-    trace: CircularTrace, part: slice, centre: Array, radius: float, told: Array
+    trace: CircularTrace, part: slice, centre: Array, radius: float, told: Array, fades: float
 ) -> FittedCircle:
     turned = float(told[part][-1] - told[part][0])
     direction = 1 if turned > 0.0 else -1
@@ -320,7 +322,7 @@ def _fit(
     whole = max(round(radius / SETTINGS.whole), 1) * SETTINGS.whole
     nominal = whole if is_assumed or abs(radius - whole) <= SETTINGS.filtered else radius
     feed = nominal * abs(turned) / float(trace.t[part][-1] - trace.t[part][0])
-    window = min(AFTER * feed / nominal, SETTINGS.behind)
+    window = min(fades * feed / nominal, SETTINGS.behind)
     middle = centre
     for _ in range(4):  # What is left of the centre is seen to first order.
         own = trace.points[part] - middle
@@ -344,6 +346,7 @@ def _fit(
         is_assumed=is_assumed,
         feed=feed,
         direction=direction,
+        window=window,
         centre=middle,
         angle=angle,
         deviation=off,

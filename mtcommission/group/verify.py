@@ -122,7 +122,8 @@ def verify_circles(record: GroupRecord, traces: Sequence[CircularTrace]) -> Circ
         A trace holds no circle of at least a turn at constant feed.
     """
     pair = read_pair(record)
-    circles = [foresee(pair, one) for trace in traces for one in fit_circles(trace)]
+    fades = max(axis.fades for axis in pair)
+    circles = [foresee(pair, one) for trace in traces for one in fit_circles(trace, fades)]
     squareness = find_squareness(circles)
     checks = [
         check
