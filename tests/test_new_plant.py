@@ -148,8 +148,7 @@ def test_its_faults_have_line_and_remedy_and_schema_and_questions_know_it() -> N
         'p.toml:7: plant.kind: got "belts", must be "manipulator", "modal" or "belt"; '
         'did you mean "belt"?',
         'p.toml:8: plant.motormass: unknown key; did you mean "motor_mass", which is missing?',
-        'p.toml:10: plant.belt_stiffness: got "2 kg", which is a mass; must be a stiffness, in '
-        "N/m, N/mm, N/um or kN/mm",
+        'p.toml:10: plant.belt_stiffness: got "2 kg"; must be in N/m, N/mm, N/um or kN/mm',
     ]
     assert "Stiffness of the belt." in profile_schema()
     asked = {one.key: one for one in questions("belt")}

@@ -26,12 +26,12 @@ def remarks_on(text: str) -> str:
 
 ON_THE_PAPER = r"""
 "2 kN"  ->  "2 N"
-  Max force: 2 N on 750 kg give 2.67 mm/s², which hardly moves the axis; check both units
+  Max force: 2 N on 750 kg give 2.67 mm/s², which is not what machine axes do; check both units
 "2 kN"  ->  "2000 kN"
   mode base: the full force bends the tool by 45 mm, 9.01×10³ times tcp_deviation = 5 µm; check
     the stiffness and the band | mode rotation: the full force bends the tool by 12.8 mm,
     2.56×10³ times tcp_deviation = 5 µm; check the stiffness and the band | Max force: 2000 kN
-    on 750 kg give 2667 m/s², which is more than a machine axis bears; check both units
+    on 750 kg give 2667 m/s², which is not what machine axes do; check both units
 "2 kN"  ->  "2 kN"\nstatic_load = "-1.2 kN"
   Static load: 1.2 kN take more than half of max_force = 2 kN; consider a counterbalance
 "2 kN"  ->  "2 kN"\ncontinuous_force = "3 kN"
@@ -43,7 +43,7 @@ ON_THE_PAPER = r"""
 velocity_step = "0.1 m/s"  ->  distance = 0.02\nmax_velocity = 30
   Move 1: Max velocity: 30 m/s is faster than machine axes move, 10 m/s; check the unit
 "5 um"  ->  "50 mm"
-  Permitted TCP deviation (band): 50 mm is no accuracy at all; check the unit
+  Permitted TCP deviation (band): 50 mm is no usual accuracy; check the unit
 "5 um"  ->  "5 um"\npayload = [0, 3000]
   the payload, 3000 kg, is more than three times the moving mass, 750 kg; one set of limits will
     be slow for the empty axis
@@ -67,9 +67,9 @@ velocity_step = "0.1 m/s"  ->  distance = 0.02\nmax_velocity = 30
 
 ON_MODES = r"""
 damping_ratio = 0.02  ->  damping_ratio = 0.35
-  mode beam: damping ratio 0.35 is above what machine structures show, 0.002 to 0.3
+  mode beam: damping ratio 0.35 is not what machine structures show, 0.002 to 0.3
 damping_ratio = 0.02  ->  damping_ratio = 0
-  mode beam: damping ratio 0 is below what machine structures show, 0.002 to 0.3 | mode beam: 40
+  mode beam: damping ratio 0 is not what machine structures show, 0.002 to 0.3 | mode beam: 40
     Hz at a damping ratio of 0 rings for ever
 "40 Hz"  ->  "0.8 Hz"
   mode beam: 0.8 Hz is slower than any machine structure; check stiffness and mass | mode beam:

@@ -196,7 +196,7 @@ def describe_simulation(
 
     places = place_columns(one for _, one in corners)
     columns = (
-        Quantity("terminal-head-move", itemgetter(0), ""),
+        Quantity("move-head", itemgetter(0), ""),
         *(one.within(itemgetter(1)) for one in (*places, SETTLING, RESIDUAL, PEAK)),
         Quantity("word-f-set", force),
     )

@@ -18,7 +18,7 @@ from mtcommission.machine.checks import (
 )
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import least_motion_time
-from mtcommission.machine.plant.plant import Plant, kalman_rank
+from mtcommission.machine.plant.plant import Plant
 
 
 def describe_machine(
@@ -30,8 +30,7 @@ def describe_machine(
 ) -> list[Line]:
     """Return modes, rigid-body limits, what results rest on, and warnings of a profile."""
     text = spoken.text
-    columns = ["mode", "frequency", "name-damping-ratio", "tool-at-full-force", "seen"]
-    rank = kalman_rank(plant)
+    columns = ["mode", "name-frequency", "name-damping-ratio", "tool-at-full-force", "seen"]
     return [
         heading(text("terminal-machine", name=machine.name, axis_name=machine.axis)),
         text("terminal-source", source=machine.source),
@@ -43,7 +42,6 @@ def describe_machine(
             heads(spoken, "rigid-body-limit", "value", "reason"), _limits(machine, plant, spoken)
         ),
         *table([*heads(spoken, "basis"), ""], _basis(machine, assumed, spoken)),
-        text("terminal-controllable", rank=rank, order=plant.order),
         *(warn(spoken, warnings) or [text("terminal-no-warnings")]),
     ]
 

@@ -37,7 +37,7 @@ def describe_verification(told: Report) -> list[Line]:
         (spoken.say(found.headline), f"bold {STYLES[found.verdict]}"),
         say_detail(found, spoken),
         *warn(spoken, found.warnings),
-        *_checks(checks, "allowed", found.checks, spoken),
+        *_checks(checks, "permitted", found.checks, spoken),
     ]
     for block in list_differences(told, spoken):
         if isinstance(block, Table):
@@ -55,7 +55,7 @@ def describe_circles(found: CircleVerification) -> list[Line]:
         heading(spoken.text("group-axes", name=axes[0].machine.name, axes=names)),
         (spoken.say(found.headline), f"bold {STYLES[found.verdict]}"),
         *warn(spoken, found.warnings),
-        *_checks(found.checks, "predicted", found.checks, spoken),
+        *_checks(found.checks, "verify-head-predicted", found.checks, spoken),
         *map(spoken.say, found.sentences),
     ]
 
@@ -68,6 +68,6 @@ def _checks(
     for check in shown:
         what, predicted, allowed, measured, verdict = check_row(check, spoken)
         rows.append((what, predicted if check.limit is None else allowed, measured, verdict))
-    heads = [*(spoken.text(f"verify-head-{name}") for name in ("what", head, "measured")), ""]
+    heads = [*(spoken.text(name) for name in ("verify-head-what", head, "measured")), ""]
     styles = [STYLES[check.verdict] for check in shown]
     return ["", *table(heads, rows, styles), "", *say_reasons(every, spoken)]

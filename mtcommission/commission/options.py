@@ -15,11 +15,7 @@ from mtcommission.base.errors import Fault, InputError, Refused
 from mtcommission.base.messages.message import Message
 from mtcommission.base.units.quantities import (
     DIMENSIONS,
-    MODAL_DEFLECTION,
-    MODAL_RATE,
     RATIO,
-    ROTARY_MODAL_DEFLECTION,
-    ROTARY_MODAL_RATE,
     TIME,
     Dimension,
     parse_quantity,
@@ -37,8 +33,7 @@ if TYPE_CHECKING:  # the optima load slowly, and most commands need none
     from mtcommission.optimal.control import AnyOptimum, Bound
     from mtcommission.optimal.transcription_settings import TranscriptionSettings
 
-MODAL = (MODAL_DEFLECTION, MODAL_RATE, ROTARY_MODAL_DEFLECTION, ROTARY_MODAL_RATE)
-BY_UNIT = {dimension.si: dimension for dimension in (*DIMENSIONS, *MODAL)}
+BY_UNIT = {dimension.si: dimension for dimension in DIMENSIONS}
 """What a signal of the plant measures, by its unit."""
 
 MOST_INTERVALS = 20_000

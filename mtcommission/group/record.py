@@ -50,9 +50,6 @@ SCHEMA = 4
 APART = 1e-6
 """Difference of delays that is named [s]: 0.1 µm at 6 m/min."""
 
-NOT_OF_A_GROUP = ("assumption-exact-rest", "assumption-calculated")
-"""Assumptions about optima, which a group has none of, and what every page says."""
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AxisLimits:
@@ -256,7 +253,7 @@ def _assumptions(group: Group) -> list[Words]:
     if any(drive.has_friction for drive in drives):
         is_viscous = any(drive.viscous_friction for drive in drives)
         found.append(Message("group-path-friction", viscous="yes" if is_viscous else "no"))
-    return [item for item in dict.fromkeys(found) if item.kind not in NOT_OF_A_GROUP]
+    return list(dict.fromkeys(found))
 
 
 def _warn(group: Group, checks: list[GroupCheck]) -> Iterator[Words]:

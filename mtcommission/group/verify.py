@@ -417,9 +417,7 @@ def _plot(number: int, one: CircleBeside, found: CircleVerification, words: Cata
         [Signals(name, "m", curves, limits, band)],
         x=(words.text("group-plot-angle"), ""),
         text="group-recorded",
-        alt="verify-plot",
         link="circles",
         number=number,
-        verdict=found.headline,
         **_said_of(one),
     )

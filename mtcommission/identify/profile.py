@@ -91,7 +91,8 @@ def evidence_file(profile: str) -> str:
 def write_profile(found: Identified, how: Writing) -> Identified:
     """Return what was found with a new profile: what is known, the rest as open questions."""
     part = found.part
-    text = how.words(part.rotary).text
+    words = how.words(part.rotary)
+    text = words.text
     document: Any = tomlkit.document()
     document["schema"] = 1
     machine = {
@@ -111,7 +112,8 @@ def write_profile(found: Identified, how: Writing) -> Identified:
             document[table] = tomlkit.aot() if many else tomlkit.table()
             if many:
                 document[table].append(tomlkit.table())
-        note = text(f"identify-document-printer-{key.replace('_', '-')}")
+        own = f"identify-document-printer-{key.replace('_', '-')}"
+        note = words.known(own, text("identify-document-printer"))
         _set(document[table][0] if many else document[table], key, value, note)
         assumed.append(f"{table}[1].{key}" if many else f"{table}.{key}")
     document.setdefault("requirements", tomlkit.table())

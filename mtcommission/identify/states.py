@@ -112,7 +112,7 @@ def find_spread(states: Sequence[MeasuredStateEntry], modes: Sequence[MeasuredMo
     }
     spreads, because = {}, []
     for kind, floor in floors.items():
-        why = f"identify-{kind}-{'apart' if apart else 'floor'}"
+        why = "identify-apart" if apart else "identify-floor"
         found = [(floor, Message(why, floor=floor, states=n))]
         for mode in modes:
             seen = [
@@ -128,7 +128,7 @@ def find_spread(states: Sequence[MeasuredStateEntry], modes: Sequence[MeasuredMo
                 by_ends = Message(kind_of, mode=mode.name, low=low, high=high, states=count)
                 found.append((by_range, by_ends))
             by_sigma = 2.0 * max(one.sigma for one in seen) / (0.5 * (low + high))
-            because_of = Message(f"identify-{kind}-sigma", mode=mode.name, spread=by_sigma)
+            because_of = Message("identify-sigma", mode=mode.name, spread=by_sigma)
             found.append((by_sigma, because_of))
         spread, message = max(found, key=lambda one: one[0])
         if kind == "damping" and spread > MOST_DAMPING:

@@ -83,8 +83,8 @@ def _doubts(
     """What may be unusual about a mode; only a gain that was stated can have the wrong unit."""
     f, zeta, control = mode.frequency_hz, mode.damping_ratio, machine.control
     low, high = DAMPING_RATIOS
-    yield zeta < low, Message("mode-damping-low", damping_ratio=zeta, low=low, high=high)
-    yield zeta > high, Message("mode-damping-high", damping_ratio=zeta, low=low, high=high)
+    unusual = Message("mode-damping-unusual", damping_ratio=zeta, low=low, high=high)
+    yield not low <= zeta <= high, unusual
     yield f < LOWEST_FREQUENCY_HZ, Message("mode-slow", frequency=f)
     decay = zeta * mode.natural_frequency
     ringing = log(100.0) / decay if decay > 0.0 else inf  # exp(-zeta omega t) = 0.01
@@ -119,8 +119,7 @@ def _check_drive(machine: Machine) -> Found:
         abs(drive.static_load),
         drive.continuous_force,
     )
-    kind = "force-hardly-moves-axis" if force / m < low else "force-beyond-axis"
-    moves = Message(kind, force=force, mass=m, acceleration=force / m)
+    moves = Message("acceleration-unusual", force=force, mass=m, acceleration=force / m)
     yield not low <= force / m <= high, "drive.max_force", moves
     loaded = Message("static-load-large", load=load, max_force=most)
     yield load > LOAD_SHARE * most, "drive.static_load", loaded
@@ -147,8 +146,8 @@ def _check_requirements(machine: Machine) -> Found:
     needs, m = machine.requirements, moving_mass(machine)
     low, high = DEVIATIONS[machine.motion]
     band, payload, bands = needs.tcp_deviation, needs.payload[1], needs.modes
-    kind = "band-finer-than-encoders" if band < low else "band-no-accuracy"
-    yield not low <= band <= high, "requirements.tcp_deviation", Message(kind, band=band)
+    unusual = Message("band-unusual", band=band)
+    yield not low <= band <= high, "requirements.tcp_deviation", unusual
     yield payload > PAYLOAD_RATIO * m, "", Message("payload-large", payload=payload, mass=m)
     widen = bands.surface <= bands.accuracy <= bands.speed
     each = {"surface": bands.surface, "accuracy": bands.accuracy, "speed": bands.speed}

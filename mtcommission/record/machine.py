@@ -108,8 +108,6 @@ def list_assumptions(machine: Machine) -> list[Message]:
         Message(f"assumption-linear{'-with-friction' if machine.drive.has_friction else ''}"),
         Message("assumption-encoder"),
         Message("assumption-cycles"),
-        Message("assumption-exact-rest"),
-        Message("assumption-calculated"),
         *([Message("assumption-static-load")] if machine.drive.static_load else []),
     ]
 

@@ -61,14 +61,14 @@ def machine_data(record: Record, words: Catalogue) -> Iterator[Block]:
         Quantity("name-tcp-gain", lambda mode: sign * mode.tcp_gain, "1/kg"),
         Quantity("name-measured-gain", "measured_gain", "1/kg"),
     )
-    yield _data(record, "data-caption", words, is_required=False)
+    yield _data(record, words, is_required=False)
     yield from (note(f"{number} {source}") for source, number in _numbers(record).items())
     yield table(words, "modes-caption", modes, record.plant.modes)
 
 
 def requirements(record: Record, words: Catalogue) -> Iterator[Block]:
     """Yield the moves and what is required of them."""
-    yield _data(record, "requirements-caption", words, is_required=True)
+    yield _data(record, words, is_required=True)
 
 
 def _numbers(record: Record) -> dict[str, str]:
@@ -78,7 +78,7 @@ def _numbers(record: Record) -> dict[str, str]:
     return {source: f"[{number}]" for number, source in enumerate(longer, start=1)}
 
 
-def _data(record: Record, caption: str, words: Catalogue, *, is_required: bool) -> Table:
+def _data(record: Record, words: Catalogue, *, is_required: bool) -> Table:
     numbers, units = _numbers(record), record.plant.units
 
     def cited(item: Datum) -> Words:
@@ -92,7 +92,7 @@ def _data(record: Record, caption: str, words: Catalogue, *, is_required: bool) 
         Quantity("source", cited, width=1.1),
     )
     data = (item for item in record.data if item.key.startswith(REQUIRED) is is_required)
-    return table(words, caption, columns, data)
+    return table(words, "", columns, data)
 
 
 def robustness(record: Record, words: Catalogue) -> Iterator[Block]:
@@ -138,9 +138,6 @@ def _frequency_error(record: Record, words: Catalogue) -> Iterator[Block]:
             "frequency-error",
             [panel for panel in panels if panel.curves[0].y.size],
             x=(text("frequency-error"), ""),
-            least=show(float(residual.y.min()), words, "m"),
-            most=show(float(residual.y.max()), words, "m"),
-            band=show(permitted, words, "m"),
         )
 
 
@@ -189,7 +186,7 @@ def versions(record: Record, words: Catalogue) -> Iterator[Block]:
     """Yield program, libraries, hash and text of the profile."""
     text, tool, profile = words.text, record.tool, record.profile
     rows = [(tool.name, tool.version), *tool.libraries.items(), (text("created"), record.created)]
-    yield pairs(words, "versions-caption", rows, first="program")
+    yield pairs(words, "", rows, first="program")
     yield Paragraph(text=f"{text('hash-row')}:")
     yield Paragraph(text=profile.sha256, tone=Tone.CODE)
     yield Preformatted(caption=text("profile-caption", name=profile.name), text=profile.text)

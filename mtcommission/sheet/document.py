@@ -98,7 +98,7 @@ class Column:
 class Table:
     """A table; ``strong_rows`` are stressed, a form has cells to fill in by hand."""
 
-    caption: str
+    caption: str  # "": the heading above says it
     columns: tuple[Column, ...]
     rows: tuple[tuple[Cell, ...], ...]
     strong_rows: tuple[int, ...] = ()

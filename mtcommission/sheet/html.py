@@ -69,7 +69,7 @@ def set_parts(words: Catalogue, kind: str, parts: Mapping[str, Sequence[Block]],
     ``own``: machine, axis, identity, created and disclaimer of its head.
     """
     sections = tuple(
-        Section(key=key, heading=words.text(f"{kind}-part-{key}"), blocks=tuple(blocks))
+        Section(key=key, heading=words.own(f"{kind}-part", key), blocks=tuple(blocks))
         for key, blocks in parts.items()
         if blocks
     )

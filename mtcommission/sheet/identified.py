@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from operator import itemgetter
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -105,7 +105,7 @@ def result_table(part: IdentifiedPart, words: Catalogue) -> Table:
         Quantity("value", lambda fact: fact[1], ""),
         Quantity("identify-head-why", lambda fact: fact[2], width=2.4),
     )
-    return table(words, "identify-caption-result", columns, facts(part, words))
+    return table(words, "identify-part-result", columns, facts(part, words))
 
 
 def mode_columns(
@@ -125,7 +125,7 @@ def mode_columns(
 
     return (
         Quantity("mode", "name"),
-        Quantity("frequency", known("frequency_hz", "Hz"), ""),
+        Quantity("name-frequency", known("frequency_hz", "Hz"), ""),
         Quantity("name-damping-ratio", known("damping_ratio", ""), ""),
         Quantity("name-measured-gain", known("measured_gain", gain), ""),
         Quantity("name-tcp-gain", at_tool, ""),
@@ -185,11 +185,11 @@ def file_table(part: IdentifiedPart, words: Catalogue) -> Table:
     """Return what was read."""
     columns = (
         Quantity("identify-head-file", lambda one: short_name(one.name)),
-        Quantity("identify-head-sensor", lambda one: Message(f"identify-sensor-{one.sensor}")),
+        Quantity("identify-head-sensor", lambda one: Message(f"sensor-{one.sensor}")),
         Quantity("identify-head-format", lambda one: part.formats.get(one.name)),
-        Quantity("identify-head-hash", lambda one: one.sha256[:SHOWN_DIGITS]),
+        Quantity("SHA-256", lambda one: one.sha256[:SHOWN_DIGITS]),
     )
-    return table(words, "identify-caption-files", columns, part.sources)
+    return table(words, "identify-part-sources", columns, part.sources)
 
 
 def plots(part: IdentifiedPart, words: Catalogue) -> tuple[LinePlot, ...]:
@@ -203,7 +203,7 @@ def _plot(key: str, one: MeasuredResponseEntry, words: Catalogue) -> LinePlot:
     say, size = words.text, np.array(one.magnitude)
 
     def measured(y: Array | list[float]) -> Curve:
-        return Curve(say("identify-line-measured"), one.frequency_hz, y, SETPOINT)
+        return Curve(say("line-measured"), one.frequency_hz, y, SETPOINT)
 
     def fitted(y: Array | list[float]) -> Curve:
         return Curve(say("identify-line-fitted"), one.curve_hz, y, MAIN)
@@ -227,17 +227,15 @@ def _plot(key: str, one: MeasuredResponseEntry, words: Catalogue) -> LinePlot:
         panels.append(panel("coherence", measured(one.coherence)))
     if one.missed is not None:
         panels.append(panel("misfit", measured(one.missed), limits=(2.0,)))
-    about: dict[str, Any] = {} if one.misfit is None else {"misfit": one.misfit}
     return line_plot(
         words,
         key,
         panels,
         x=(say("identify-plot-frequency"), ""),
-        text="identify-plot" if about else "identify-spectrum",
+        text="identify-plot",
         is_log=True,
         link="fits",
         file=short_name(one.name),
-        **about,
     )
 
 

@@ -77,10 +77,13 @@ def is_of_calibration(item: Alternative) -> bool:
 
 
 def other_limits(record: Record, words: Catalogue) -> Iterator[Block]:
-    """Yield today's and other limits that serve, with what they give; the others by number."""
+    """Yield today's and other limits that serve, with what they give."""
     text, part = words.text, record.limits
-    others = [*part.alternatives, *part.rules]
-    serving = [item for item in others if item.meets_requirements or is_of_calibration(item)]
+    serving = [
+        item
+        for item in (*part.alternatives, *part.rules)
+        if item.meets_requirements or is_of_calibration(item)
+    ]
     listed = part.listed_only
     named: list[tuple[str, object]] = [
         *([(text("today"), part.today)] if part.today else []),
@@ -102,9 +105,6 @@ def other_limits(record: Record, words: Catalogue) -> Iterator[Block]:
         named,
         strong=lambda it: it[1] is part.recommended,
     )
-    missed = len(others) - len(serving)
-    if missed:
-        yield note(text("limits-missed", count=missed))
 
 
 def _listed_name(listed: ListedEntry, part: LimitsPart, words: Catalogue) -> str:
@@ -136,7 +136,7 @@ def limits_by_mode(record: Record, words: Catalogue) -> Iterator[Block]:
         Quantity("meets", "meets_requirements", width=0.8),
     )
     modes = record.limits.modes
-    yield table(words, "machining-caption", columns, modes)
+    yield table(words, "", columns, modes)
     for mode in modes:
         if not mode.meets_requirements:
             least = "none" if mode.attainable is None else show(mode.attainable, words, "m")
@@ -220,7 +220,7 @@ SYMBOLS: tuple[tuple[str, str, Callable[[Record], Any], str], ...] = (
     ("Kv", "name-Kv", lambda r: r.loop.Kv, "1/s"),
     ("Kp", "name-Kp", lambda r: r.loop.Kp, "N s/m"),
     ("Tn", "name-Tn", lambda r: r.loop.Tn, "s"),
-    ("f", "frequency", lambda r: [mode.frequency_hz for mode in r.plant.modes], "Hz"),
+    ("f", "name-frequency", lambda r: [mode.frequency_hz for mode in r.plant.modes], "Hz"),
     ("ω", "rule-symbol-omega", lambda _: "2 π f", ""),
     ("s", "name-frequency-spread", lambda r: find_number(r, "requirements.frequency_spread"), "%"),
     ("ζ", "name-damping-ratio", lambda r: [mode.damping_ratio for mode in r.plant.modes], "%"),

@@ -79,7 +79,7 @@ def third_page(record: Record, words: Catalogue) -> Iterator[Block]:
     if loop.worst_corner is None:  # the remarks say so
         yield _said(loop.remarks, words)
     else:
-        yield note(_sensors(record, words))
+        yield from map(note, _sensors(record, words))
         yield bode(record, words)
         yield _margins(loop, loop.worst_corner, words)
         yield _disturbance(record, words)
@@ -99,12 +99,7 @@ def loop_details(record: Record, words: Catalogue) -> Iterator[Block]:
             Quantity("reference-delay", "reference_delay", "s"),
             Quantity("rule-symbol-m-ff", "feedforward.mass", "kg", width=1.6),
         )
-        yield table(words, "loop-details-heading", values, [loop])
-        if found := loop.cross_check:
-            margins = {"gain": GAIN_MARGIN.show(found, words)}
-            margins["phase"] = PHASE_MARGIN.show(found, words)
-            poles = words.format.number(found.pole_difference, digits=1)
-            yield note(text("loop-cross-check", **margins, poles=poles))
+        yield table(words, "", values, [loop])
         yield from _variants(record, words)
         yield from _corners(record, words)
         yield _delays(record, words)
@@ -117,15 +112,14 @@ def _said(lines: Sequence[Message | str], words: Catalogue) -> Bullets:
     return Bullets(items=tuple(map(words.say, lines)))
 
 
-def _sensors(record: Record, words: Catalogue) -> str:
+def _sensors(record: Record, words: Catalogue) -> Iterator[str]:
+    """What the loop uses beside the encoder that every loop has."""
     text, part = words.text, record.loop
-    sensors = (words.known(f"sensor-{name}", name) for name in part.sensors)
-    sentences = [text("sensors", names=", ".join(sensors))]
+    if len(part.sensors) > 1:
+        sensors = (words.known(f"sensor-{name}", name) for name in part.sensors)
+        yield text("sensors", names=", ".join(sensors))
     if part.observer.states:
-        sentences.append(text("observed", names=", ".join(map(symbol, part.observer.states))))
-    if not part.state_feedback:
-        sentences.append(text("no-state-feedback"))
-    return " ".join(sentences)
+        yield text("observed", names=", ".join(map(symbol, part.observer.states)))
 
 
 def bode(record: Record, words: Catalogue) -> LinePlot:
@@ -166,11 +160,8 @@ def bode(record: Record, words: Catalogue) -> LinePlot:
             Signals(text("magnitude"), "", magnitudes, [0.0], "0 dB"),
             Signals(text("phase"), "", phases, [-180.0], "−180°"),
         ],
-        x=(text("in-unit", name=text("frequency"), unit="Hz"), ""),
+        x=(text("in-unit", name=text("name-frequency"), unit="Hz"), ""),
         is_log=True,
-        gain=GAIN_MARGIN.show(part, words),
-        phase=PHASE_MARGIN.show(part, words),
-        bandwidth=BANDWIDTH.show(part, words),
     )
 
 
@@ -280,15 +271,11 @@ def _disturbance(record: Record, words: Catalogue) -> LinePlot:
         Curve(text(name), series.t, y, MAIN if name in used or len(series.signals) == 1 else OTHER)
         for name, y in series.signals.items()
     ]
-    largest = "; ".join(
-        f"{curve.label}: {show(float(np.max(np.abs(curve.y))), words, unit)}" for curve in curves
-    )
     return line_plot(
         words,
         "disturbance",
         [Signals(name=text("deflection"), unit=unit, curves=curves)],
         x=(text("time"), "s"),
-        largest=largest,
     )
 
 

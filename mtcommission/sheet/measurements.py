@@ -299,7 +299,7 @@ def _loop(words: Catalogue) -> Iterator[Quantity]:
     of_loop = attrgetter("loop")
     yield from _gains(words)
     yield Quantity("reference-delay", "loop.reference_delay", "s")
-    yield Quantity("compared-force-filters", partial(_force_filters, words))
+    yield Quantity("change-force-filters", partial(_force_filters, words))
     feedback = capitalised(words.text("has-state-feedback"))
     yield Quantity(feedback, lambda record: bool(record.loop.state_feedback))
     for one in (GAIN_MARGIN, PHASE_MARGIN):

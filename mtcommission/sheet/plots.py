@@ -58,15 +58,14 @@ def line_plot(
     *,
     x: tuple[str, str],
     text: str = "",
-    alt: str = "",
     is_log: bool = False,
     link: str = "",
     **values: Value,
 ) -> LinePlot:
     """Return panels over one axis, ``x`` its name and SI unit.
 
-    Caption and description are the texts ``<text>-caption`` and ``<alt>-alt`` with their values;
-    both are called as the plot where nothing else is said.
+    The caption is the text ``<text>-caption`` with its values, called as the plot where nothing
+    else is said; who cannot see it hears between which values each panel lies.
     """
     panels = tuple(panels)
     name, unit = x
@@ -75,12 +74,23 @@ def line_plot(
     return LinePlot(
         key=key,
         caption=words.text(f"{text or key}-caption", **values),
-        alt=words.text(f"{alt or text or key}-alt", **values),
+        alt=words.text(
+            "plot-alt", along=name, panels="; ".join(_range(words, panel) for panel in panels)
+        ),
         x_label=label(words, name, scale.unit),
         x_is_log=is_log,
         link=link or key,
         panels=tuple(_panel(words, panel, scale.size) for panel in panels),
     )
+
+
+def _range(words: Catalogue, shown: Signals) -> str:
+    """The panel's name, its curves, and the least and the largest value of all."""
+    unit = motion_unit(shown.unit, rotary=words.rotary)
+    values = np.concatenate([curve.y for curve in shown.curves])
+    ends = (values.min(), values.max()) if values.size else ()
+    said = " … ".join(words.format.quantity(float(end), unit) for end in ends)
+    return f"{shown.name} ({', '.join(dict.fromkeys(one.label for one in shown.curves))}): {said}"
 
 
 def _panel(words: Catalogue, shown: Signals, x_size: float) -> Panel:

@@ -31,8 +31,6 @@ from mtcommission.sheet.plots import (
 )
 from mtcommission.sheet.tables import (
     ACCELERATION,
-    MAX_FORCE,
-    PEAK,
     SETTLING,
     Quantity,
     beside,
@@ -60,7 +58,6 @@ def second_page(record: Record, words: Catalogue) -> Iterator[Block]:
     """Yield the slowest move, all moves beside their optima, sizes, other limits, what helps."""
     number = slowest_move(record)
     yield _yardsticks(record, words)
-    yield note(words.text("yardstick-note"))
     yield from _missing_yardsticks(record, words)
     yield _response_plot(record, number, words)
     yield from _size_plot(record, number, words)
@@ -227,7 +224,6 @@ def _motion_plots(
 ) -> tuple[LinePlot, LinePlot]:
     """Two plots over the same time: what the drive does, and what the machine does."""
     panels = _signals(record, number, words)
-    response, units = record.moves[number - 1].response, record.plant.units
 
     def plot(key: str, part: list[Signals]) -> LinePlot:
         return line_plot(
@@ -236,13 +232,8 @@ def _motion_plots(
             part,
             x=(words.text("time"), "s"),
             text=key,
-            alt="motion",
             link=f"move-{number}",
             move=title,
-            signals=", ".join(panel.name for panel in part),
-            force=show(response.max_force, words, units["F"]),
-            peak=show(response.peak_deviation, words, units["tcp"]),
-            settling=SETTLING.show(response, words),
         )
 
     return plot("drive", panels[:3]), plot("vibration", panels[3:])
@@ -264,16 +255,11 @@ def _response_plot(record: Record, number: int, words: Catalogue) -> LinePlot:
         x=(text("time"), "s"),
         link=f"move-{number}",
         move=move_title(move.move, number, words),
-        peak=PEAK.show(move.response, words),
-        settling=SETTLING.show(move.response, words),
-        force=MAX_FORCE.show(move.response, words),
     )
 
 
 def move_sizes(record: Record, words: Catalogue) -> Iterator[Block]:
     """Yield from which size on limits hold, move by move; nothing where nothing was tried."""
-    if record.limits.move_sizes:
-        yield note(words.text("sizes-note"))
     for number, move in enumerate(record.moves, start=1):
         if ways := _ways(record, number):
             yield Subheading(text=move_title(move.move, number, words))
@@ -327,6 +313,4 @@ def _size_plot(record: Record, number: int, words: Catalogue) -> Iterator[LinePl
         text="sizes-plot",
         is_log=True,
         move=text("move", number=number),
-        ways=", ".join(curve.label for curve in curves),
-        band=show(permitted, words, "m"),
     )

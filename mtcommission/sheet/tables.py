@@ -88,7 +88,7 @@ class Quantity:
 
 
 MASS = Quantity("name-moving-mass", "moving_mass", "kg")
-FREQUENCY = Quantity("frequency", "frequency_hz", "Hz")
+FREQUENCY = Quantity("name-frequency", "frequency_hz", "Hz")
 DAMPING = Quantity("name-damping-ratio", "damping_ratio", "%")
 SETTLING = Quantity("settling-time", "settling_time", "s", "not-settled")
 RESIDUAL = Quantity("residual", "residual_deviation", "m", "not-settled")
@@ -149,10 +149,13 @@ def table(
     strong: Callable[[Any], object] = lambda item: False,
     **values: Any,
 ) -> Table:
-    """Return a table with a row for each item; ``values`` are those of the caption's text."""
+    """Return a table with a row for each item; ``values`` are those of the caption's text.
+
+    No ``caption``: the heading above says what is in it.
+    """
     columns, items = tuple(columns), tuple(items)
     return Table(
-        caption=words.text(caption, **values),
+        caption=words.text(caption, **values) if caption else "",
         columns=tuple(
             Column(head=one.head(words), width=one.width, is_number=one.unit is not None)
             for one in columns

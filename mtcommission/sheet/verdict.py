@@ -50,15 +50,11 @@ from mtcommission.sheet.tables import (
 if TYPE_CHECKING:
     from mtcommission.controls.syntax import Entry
     from mtcommission.export.write import Export
-    from mtcommission.record.optima import BandEntry
     from mtcommission.record.read_back import AxisRecord
     from mtcommission.record.record import Record
 
 ROUNDING = 1e-6
 """Relative difference that search and check may have where the reserve is just kept."""
-
-ENCLOSED = 1e-6
-"""Relative distance of a reference from its proved bound from which both are shown."""
 
 WHOLE = 0.99
 """Share of the recommended acceleration that is all of it, but for rounding."""
@@ -383,46 +379,18 @@ def slowest_move(record: Record) -> int:
 
 def reference_sentence(record: Record, number: int, words: Catalogue) -> str:
     """Return the time-optimal reference of a move, counted from 1, beside the recommendation."""
-    text, f, move = words.text, words.format, record.moves[number - 1]
-    optima, settling = record.optima[number - 1], move.response.settling_time
-    title, aside = move_title(move.move, number, words), _band_sentences(record, number, words)
-    best, bounded = optima.time, optima.constrained
-    proof, optimal = best.certificate, f.quantity(best.t_f, "s")
-    if proof.relative_gap is not None and proof.relative_gap > ENCLOSED:
-        bound = f.quantity(proof.t_f_lower_bound, "s")
-        optimal = text("reference-enclosed", optimum=optimal, bound=bound)
-    share = 0.0 if settling is None else settling / best.t_f - 1.0
+    f, move = words.format, record.moves[number - 1]
+    t_f, settling = record.optima[number - 1].time.t_f, move.response.settling_time
+    share = 0.0 if settling is None else settling / t_f - 1.0
     compared = "unsettled" if settling is None else "sooner" if share < 0.0 else "later"
-    sentence = text(
+    return words.text(
         "reference",
-        move=title,
-        optimum=optimal,
+        move=move_title(move.move, number, words),
+        optimum=f.quantity(t_f, "s"),
         compared=compared,
         settling=f.quantity(settling, "s"),
         share=f.percent(abs(share)),
     )
-    if bounded and settling is not None:
-        change = f.signed_percent(settling / bounded.t_f - 1.0)
-        held = text("reference-bounded", optimum=f.quantity(bounded.t_f, "s"), change=change)
-        aside.append(held)
-    return " ".join([sentence, *aside])
-
-
-def _band_sentences(record: Record, number: int, words: Catalogue) -> list[str]:
-    """The optimum with the band, and the force that keeps it over the whole spread."""
-    text, f, found = words.text, words.format, record.optima[number - 1]
-    settling, sentences = record.moves[number - 1].response.settling_time, list[str]()
-
-    def shown(item: BandEntry) -> dict[str, str]:
-        change = "–" if settling is None else f.signed_percent(settling / item.t_f - 1.0)
-        return {"optimum": f.quantity(item.t_f, "s"), "change": change}
-
-    if found.band:
-        bound, half = f.quantity(found.band.lower_bound, "s"), f.axis(found.band.band, "m")
-        sentences.append(text("band-optimum", band=half, bound=bound, **shown(found.band)))
-    if found.robust:
-        sentences.append(text("robust-force", **shown(found.robust)))
-    return sentences
 
 
 def find_number(record: Record, key: str) -> float | None:

@@ -11,7 +11,7 @@ const whatIf = (() => {
   const SIZES = 64, LEAST = 0.01;
   const CELLS = 22;
   const say = (key, values = {}) => Object.entries(values).reduce((text, [name, value]) => text.replaceAll(`{${name}}`, value), words[key]);
-  const withUnit = (value, unit) => value === null ? words.none : Number.isFinite(value) ? `${show(value / units[unit].size)} ${units[unit].unit}` : words.not_settled;
+  const withUnit = (value, unit) => value === null ? "–" : Number.isFinite(value) ? `${show(value / units[unit].size)} ${units[unit].unit}` : words.not_settled;
 
   // ---- what is tried ----
 
@@ -201,6 +201,7 @@ const whatIf = (() => {
     return {svg, x, y, inside: add(svg, "g", {"clip-path": `url(#wi-clip-${key})`}), width};
   }
 
+  const inHertz = say("in_unit", {name: words.name_frequency, unit: "Hz"});
   const inUnit = (name, unit) => say("in_unit", {name, unit: units[unit].unit});
 
   function curve(inside, x, y, xsize, ysize, response, className) {
@@ -219,12 +220,11 @@ const whatIf = (() => {
     const shown = [tried, ...columns].filter(found => found && !found.saturated);
     const end = 1.5 * Math.max(...[tried, ...columns].map(found => found.responses[0].end)) / units.time.size;
     const most = Math.max(1.4 * band, ...shown.map(found => Math.min(found.peak / units.deviation.size, 12 * band)));
-    const {x, y, inside, svg, width} = canvas("response", [0, end], [-1.05 * most, 1.05 * most], [inUnit(words.time, "time"), inUnit(words.deviation, "deviation")]);
+    const {x, y, inside} = canvas("response", [0, end], [-1.05 * most, 1.05 * most], [inUnit(words.time, "time"), inUnit(words.deviation, "deviation")]);
     for (const sign of [1, -1]) add(inside, "path", {class: "border", d: `M${x.from} ${y.at(sign * band)}H${x.to}`});
     add(inside, "path", {class: "cursor", d: `M${x.at(tried.responses[0].end / units.time.size)} ${y.from}V${y.to}`});
     const draw = (response, style) => curve(inside, x, y, units.time.size, units.deviation.size, response, style);
-    if (tried.saturated) add(svg, "text", {x: LEFT + 10, y: TITLE + 18}, words.saturated_short);
-    else tried.responses.slice(1).forEach(one => draw(one, "curve s4 faint"));
+    if (!tried.saturated) tried.responses.slice(1).forEach(one => draw(one, "curve s4 faint"));
     columns.forEach((found, k) => { if (!found.saturated) draw(found.responses[0], `curve s${k === recommended ? 2 : 1}`); });
     if (!tried.saturated) draw(tried.responses[0], "curve s4 strong");
   }
@@ -354,7 +354,7 @@ const whatIf = (() => {
   function sayMargins(found, column) {
     MARGINS.forEach(key => {
       const value = found && found.stable ? found[key] : null;
-      const text = found && !found.stable ? words.unstable : value === null ? words.none : Number.isFinite(value) ? `${show(Number(value.toFixed(key === "peak" ? 3 : 1)))}${{gain: " dB", phase: "°", peak: ""}[key]}` : words.unlimited;
+      const text = found && !found.stable ? words.unstable : value === null ? "–" : Number.isFinite(value) ? `${show(Number(value.toFixed(key === "peak" ? 3 : 1)))}${{gain: " dB", phase: "°", peak: ""}[key]}` : words.unlimited;
       id(`margin-${key}-${column}`).textContent = text;
     });
   }
@@ -370,12 +370,12 @@ const whatIf = (() => {
     sayMargins(before, 0);
     sayMargins(now, 1);
     const db = ([a, b]) => 20 * Math.log10(Math.hypot(a, b)), f = now.frequency, low = field.notch_frequency.low / 4, high = f[f.length - 1];
-    const {svg, x, y, inside} = canvas("bode", [low, high], [-60, 50], [words.frequency_hz, words.open_loop_db], {xLog: true});
+    const {svg, x, y, inside} = canvas("bode", [low, high], [-60, 50], [inHertz, words.magnitude], {xLog: true});
     const line = (fs, values, className) => add(inside, "path", {class: className, d: fs.map((one, i) => one < low ? "" : `L${x.at(one).toFixed(1)} ${y.at(values[i]).toFixed(1)}`).join("").replace(/^L/, "M")});
     add(inside, "path", {class: "border", d: `M${x.from} ${y.at(0)}H${x.to}`});
     line(before.frequency, before.L.map(db), "curve s2");
     line(f, now.L.map(db), "curve s4 strong");
-    const phase = canvas("bode-phase", [low, high], [-360, 0], [words.frequency_hz, words.open_loop_deg], {xLog: true});
+    const phase = canvas("bode-phase", [low, high], [-360, 0], [inHertz, words.phase], {xLog: true});
     add(phase.inside, "path", {class: "border", d: `M${x.from} ${phase.y.at(-180)}H${x.to}`});
     for (const [found, className] of [[before, "curve s2"], [now, "curve s4 strong"]]) {
       let d = "", last = null;

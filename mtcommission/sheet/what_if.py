@@ -44,10 +44,10 @@ NARROWEST, WIDEST, DEEPEST = 0.02, 1.0, 40.0
 
 WORDS = (
     "acceleration", "all-corners", "all-met", "damping", "deviation", "field-size",
-    "frequencies", "frequency-hz", "in-unit", "jerk-time", "landscape-none", "landscape-range",
-    "landscape-running", "met", "missed-check", "move", "moving-average", "no-setpoint-filter",
-    "no-notch", "nominal", "none", "not-met", "not-settled", "open-loop-db", "open-loop-deg",
-    "out-of-range", "ramp", "residual", "saturated", "saturated-short", "sizes-met",
+    "frequencies", "in-unit", "jerk-time", "landscape-none", "landscape-range",
+    "landscape-running", "magnitude", "met", "missed-check", "move", "moving-average",
+    "name-frequency", "no-setpoint-filter", "no-notch", "nominal", "not-met", "not-settled",
+    "out-of-range", "phase", "ramp", "residual", "saturated", "sizes-met",
     "sizes-missed", "taken", "time", "tried-machine", "unlimited", "unstable", "worst-so-far",
 )  # fmt: skip
 """That the script says, with the places that it fills in."""
@@ -118,7 +118,7 @@ def what_if(part: WhatIfPart, words: Catalogue, *, profile: str) -> Panel:
     return Panel(
         say=partial(words.own, "what-if", today=today),
         moves=tuple(
-            words.text("what-if-move-named", number=number, size=_size(move, words))
+            f"{words.text('move', number=number)}: {_size(move, words)}"
             for number, move in enumerate(part.moves, start=1)
         ),
         columns=tuple(names[item.name] for item in part.limits),
@@ -307,7 +307,7 @@ def print_answers(
         words,
         machine,
         profile,
-        title=words.text("what-if-title"),
+        title=words.text("what-if-heading"),
         created=created,
         sections=(),
     )

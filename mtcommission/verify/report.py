@@ -26,7 +26,7 @@ from mtcommission.sheet.document import (
 )
 from mtcommission.sheet.html import set_parts
 from mtcommission.sheet.plots import FOURTH, MAIN, OTHER, THIRD, Curve, Signals, line_plot
-from mtcommission.sheet.tables import DASH, Quantity, table, words_for
+from mtcommission.sheet.tables import DASH, SETTLING, Quantity, table, words_for
 from mtcommission.verify.beside import Recorded
 from mtcommission.verify.checks import Check, Verdict, what_of
 from mtcommission.verify.feedforward import FeedForward, suggest_feedforward
@@ -139,7 +139,8 @@ def list_differences(told: Report, words: Catalogue) -> list[Block]:
 def _parameters(kind: str, values: Sequence[Parameter], words: Catalogue) -> Table:
 
     def name(one: Parameter) -> str:
-        what = words.text(f"verify-parameter-{one.key.replace('_', '-')}")
+        own = f"verify-parameter-{one.key.replace('_', '-')}"
+        what = words.known(own, words.name(one.key))
         return words.text("of-mode", name=what, mode=one.mode) if one.mode else what
 
     def new(one: Parameter) -> str:
@@ -147,10 +148,10 @@ def _parameters(kind: str, values: Sequence[Parameter], words: Catalogue) -> Tab
         return f"{value} ± {_shown(error, one.unit, words, 2)}"
 
     def meaning(one: Parameter) -> Message:
-        return Message(f"verify-parameter-is-{'changed' if one.has_changed else 'same'}")
+        return Message("changed" if one.has_changed else "verify-parameter-is-same")
 
     columns = (
-        Quantity(f"verify-head-{kind}", name, width=1.6),
+        Quantity("parameter", name, width=1.6),
         Quantity("verify-head-old", lambda one: _shown(one.old, one.unit, words), ""),
         Quantity("verify-head-new", new, "", width=1.6),
         Quantity("meaning", meaning, width=1.6),
@@ -164,10 +165,10 @@ LIMITS = (
     *(
         one.within(itemgetter(1))
         for one in (
-            Quantity("verify-limit-acceleration", "acceleration", "m/s^2"),
-            Quantity("verify-limit-jerk", "jerk", "m/s^3"),
-            Quantity("verify-limit-settling", "settling_time", "s", "not-settled"),
-            Quantity("verify-limit-met", "meets_requirements"),
+            Quantity("acceleration", "acceleration", "m/s^2"),
+            Quantity("jerk", "jerk", "m/s^3"),
+            SETTLING,
+            Quantity("verdict-met", "meets_requirements"),
         )
     ),
 )
@@ -352,11 +353,12 @@ def verdict_blocks(
 
 
 def _checks(checks: Sequence[Check], words: Catalogue) -> Table:
-    widths = {"what": 1.6, "predicted": 1.8, "allowed": 0.9, "measured": 1.4, "verdict": 0.9}
+    what, predicted = "verify-head-what", "verify-head-predicted"
+    widths = {what: 1.6, predicted: 1.8, "permitted": 0.9, "measured": 1.4, "verdict": 0.9}
     columns = (
-        Quantity(f"verify-head-{head}", itemgetter(k), width=width)
+        Quantity(head, itemgetter(k), width=width)
         for k, (head, width) in enumerate(widths.items())
-        if head != "allowed" or any(one.limit is not None for one in checks)
+        if head != "permitted" or any(one.limit is not None for one in checks)
     )
     failed = tuple(k for k, one in enumerate(checks) if one.fails)
     rows = [check_row(one, words) for one in checks]
@@ -368,7 +370,7 @@ def source_table(traces: Sequence[T], roles: Callable[[T], str], words: Catalogu
     columns = (
         Quantity("identify-head-file", "file"),
         Quantity("verify-head-columns", roles, width=2.0),
-        Quantity("identify-head-hash", "sha256", width=2.0),
+        Quantity("SHA-256", "sha256", width=2.0),
     )
     return table(words, "verify-caption-sources", columns, traces)
 
@@ -382,13 +384,13 @@ def _plot(key: str, one: Recorded, found: Verification, words: Catalogue) -> Lin
     motion, say = one.motion, words.text
     t = np.linspace(motion.begin, motion.until, SETPOINT_POINTS)
     setpoint = Curve(say("setpoint"), t - motion.begin, motion.sample(t)[:, 2], OTHER)
-    panels = [Signals(say("verify-plot-acceleration"), "m/s^2", [setpoint])]
+    panels = [Signals(say("verify-setpoint-acceleration"), "m/s^2", [setpoint])]
     band = found.rebuilt.machine.requirements.tcp_deviation
     judged = one.find(Role.TOOL) or one.find(Role.ENCODER)
     for signal in one.beside:
         x, measured, rows = signal.t - motion.begin, signal.deviation, signal.predicted
         curves = [
-            Curve(say("verify-line-measured"), x, measured, MAIN),
+            Curve(say("line-measured"), x, measured, MAIN),
             Curve(say("verify-line-low"), x, rows.min(axis=0), THIRD),
             Curve(say("verify-line-high"), x, rows.max(axis=0), THIRD),
         ]
@@ -409,5 +411,4 @@ def _plot(key: str, one: Recorded, found: Verification, words: Catalogue) -> Lin
         link="moves",
         file=one.trace.file,
         begin=motion.begin,
-        verdict=found.headline,
     )

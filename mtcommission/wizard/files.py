@@ -148,7 +148,7 @@ def _known(answers: dict[str, str], *, where: str, lines: Mapping[str, int]) -> 
 def write_document(data: Data, answers: Answers, defaults: Answers, words: Catalogue) -> str:
     """Return a new profile; each key is commented by its name, [plant] by what was typed for it."""
     document = tomlkit.document()
-    for line in ("head", "check", "assumed"):
+    for line in ("head", "assumed"):
         document.add(tomlkit.comment(words.text(f"document-{line}")))
     document.add(tomlkit.nl())
     for name, value in data.items():

@@ -46,7 +46,7 @@ class Question:
     is_optional: bool = False  # whether an empty reply leaves the value out
     meant: float | str | bool | None = None  # by a profile without the key, SI or a word
     instead: Question | None = None  # another quantity that may be given
-    variant: str = ""  # under which the value is found elsewhere: at the shaft, motor held
+    variant: str = ""  # under which the value is found elsewhere: motor held
     motor_turn: float = 0.0
     """How far the motor turns per travel of the axis [rad/m], so that inertia or torque at its
     shaft is taken for a mass or a force, too; 0: not known, or without meaning."""
@@ -77,9 +77,11 @@ class Question:
         """Return all that is known about the question, for ``?``."""
         lines = [self.where(words)]
         if self.allowed:
-            lines.append(words.text("wizard-expected", what=self.allowed.dimension.described))
+            units = words.say(self.allowed.dimension.expected)
+            lines.append(f"{units[0].upper()}{units[1:]}.")
         if self.example:
-            lines.append(words.text("wizard-example", example=self.as_shown(self.example, words)))
+            example = self.as_shown(self.example, words)
+            lines.append(words.text("wizard-example-behind", example=example))
         if self.is_optional:
             lines.append(words.text("wizard-leave-out"))
         return " ".join(filter(None, lines))

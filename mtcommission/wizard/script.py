@@ -179,7 +179,6 @@ def _ask(key: str, answers: Answers, *, default: str = "") -> Question:
         is_optional=not one.is_required and not default,
         meant=one.default,
         motor_turn=turn,
-        variant="shaft" if turn else "",
     )
 
 

@@ -174,7 +174,7 @@ def run_wizard(
         return Ending.WRITTEN
     if not take_defaults and console.is_interactive and talk.offer_run():
         return Ending.TO_RUN
-    talk.tell(Message("wizard-compute-with", file=str(output)), indent="")
+    talk.tell(Message("cli-next-run", profile=str(output)), indent="")
     return Ending.WRITTEN
 
 
@@ -266,8 +266,6 @@ class _Interview:
         while True:
             typed = self._typed(question)
             if means(typed, BACK, self.words):
-                if before is None:
-                    self.tell(Message("wizard-first-question"))
                 return before or question.key
             if self.take(question, typed):
                 return None
@@ -303,10 +301,10 @@ class _Interview:
         self.console.tell(words.text("wizard-settled"))
         for number, question in enumerate(settled, start=1):
             stated = self.answers.get(question.key, "")
-            mark = words.text("wizard-assumed-mark") if question.key in defaults else ""
             name = replace(question, is_optional=False).say(words)
             value = question.as_shown(stated or question.shown_default(words), words)
-            self.console.tell(f"{number:>3}  {name}: {value}{mark}")
+            value = words.text("assumed", value=value) if question.key in defaults else value
+            self.console.tell(f"{number:>3}  {name}: {value}")
         while True:
             typed = self._typed(CHANGE)
             if not typed or means(typed, BACK, self.words):
@@ -349,13 +347,12 @@ class _Interview:
         return update_document(self.source.text, data)
 
     def summarise(self, machine: Machine) -> None:
-        written = {"file": str(self.output), "name": machine.name, "letter": machine.axis}
-        self.tell(Message("wizard-written", **written), indent="")
+        self.tell(Message("cli-written", files=str(self.output)), indent="")
         self.said.clear()
         self._tell_insights()
         if machine.assumed:
             named = (self.words.name(key) for key in machine.assumed)
-            self.tell(Message("wizard-assumed", keys=", ".join(dict.fromkeys(named))))
+            self.tell(Message("terminal-assumed", what=", ".join(dict.fromkeys(named))))
         for remark in check_plausibility(machine):
             self.tell(Message("warning", warning=remark))
 

@@ -34,38 +34,30 @@ _INSIDE = re.compile(
 class Dimension:
     """A kind of quantity: what a unit must measure."""
 
-    name: Message  # said with its article: a mass
-    si: str  # the SI unit, for messages
+    si: str  # the SI unit, for messages; "": a ratio
     forms: tuple[Unit, ...]
     """Units that count as 1 of this quantity. The first is the SI unit; further ones admit what is
     written by custom, e.g. N m beside N m/rad."""
     usual: tuple[str, ...]  # units to propose
 
     @property
-    def described(self) -> Message:
-        """What it is and in which units, e.g. a mass, in kg, g or t."""
-        *first, last = self.usual
-        kind = "unit-in-one-of" if first else "unit-none-or" if not self.si else "unit-in"
-        units = Message(kind, first=", ".join(first), last=last)
-        return Message("quantity-described", what=self.name, units=units)
-
-    @property
     def expected(self) -> Message:
-        """That it must be this, in these units."""
-        return Message("quantity-expected", **self.described.values)
+        """In which units it must be, e.g. in kg, g or t."""
+        *first, last = self.usual
+        units = Message("either", first=", ".join(first), last=last) if first else last
+        return Message("quantity-expected" if self.si else "ratio-expected", units=units)
 
     def per(self, other: Dimension) -> Dimension:
         """Return the quantity "this per other", e.g. a force per velocity."""
         forms = tuple(a * b**-1 for a, b in product(self.forms, other.forms))
         si = f"{self.si}/({other.si})"
-        name = Message("dimension-per", what=self.name, other=other.si)
-        return Dimension(name, si, forms, (si,))
+        return Dimension(si, forms, (si,))
 
     def squared(self) -> Dimension:
         """Return the square of the quantity."""
         forms = tuple(unit**2 for unit in self.forms)
         si = f"({self.si})^2"
-        return Dimension(Message("dimension-squared", what=self.name), si, forms, (si,))
+        return Dimension(si, forms, (si,))
 
 
 def parse_quantity(text: str, dimension: Dimension, *, decimal_comma: bool = False) -> float:
@@ -82,7 +74,7 @@ def parse_quantity(text: str, dimension: Dimension, *, decimal_comma: bool = Fal
     >>> parse_quantity("20 s", FORCE)
     Traceback (most recent call last):
     ...
-    mtcommission.base.errors.Refused: got "20 s", which is a time; must be a force, in N, kN or MN
+    mtcommission.base.errors.Refused: got "20 s"; must be in N, kN or MN
     """
     text = text.replace("\t", " ")
     shown = _shorten(text)
@@ -108,16 +100,10 @@ def parse_quantity(text: str, dimension: Dimension, *, decimal_comma: bool = Fal
     for meaning, form in product(meanings, dimension.forms):
         if meaning.exponents == form.exponents:
             return _value(number, meaning * form**-1, shown)
-    name = _name(meanings[0])
+    gram = Message("g-is-the-gram") if unit == "g" else None
+    advice = gram or _advise(unit, dimension)
     raise Refused(
-        Message(
-            "quantity-of-another-kind",
-            got=shown,
-            what=name or Message("dimension-in", units=_in_si(meanings[0])),
-            advice=None if name else _advise(unit, dimension),
-            expected=dimension.expected,
-            hint=Message("g-is-the-gram") if unit == "g" else None,
-        )
+        Message("quantity-in-other", got=shown, advice=advice, expected=dimension.expected)
     )
 
 
@@ -157,7 +143,7 @@ def _split_number(
     if match is not None:
         return match[0], plain[match.end() :].strip()
     if re.match(r"[+-]?(nan|inf)", plain, re.IGNORECASE):
-        raise Refused(Message("quantity-infinite", got=shown, expected=dimension.expected))
+        raise Refused(Message("number-infinite", got=shown))
     raise Refused(Message("quantity-without-number", got=shown, expected=dimension.expected))
 
 
@@ -205,59 +191,47 @@ def _shorten(text: str) -> str:
     return printable if len(printable) <= LONGEST_TEXT else printable[: LONGEST_TEXT - 3] + "..."
 
 
-def _name(unit: Unit) -> Message | None:
-    names = (one.name for one in DIMENSIONS if unit.exponents == one.forms[0].exponents)
-    return next(names, None)
-
-
-def _in_si(unit: Unit) -> str:
-    parts = zip(("m", "kg", "s", "rad"), unit.exponents, strict=True)
-    return " ".join(
-        symbol if power == 1 else f"{symbol}^{power}" for symbol, power in parts if power
-    )
-
-
-def _dimension(kind: str, si: str, usual: str, *custom: Unit) -> Dimension:
-    name = Message(f"dimension-{kind}")
-    return Dimension(name, si, (read_unit(si)[0], *custom), tuple(usual.split(", ")))
+def _dimension(usual: str, *custom: Unit) -> Dimension:
+    """A dimension by its usual units, the first of which is the SI unit."""
+    units = tuple(usual.split(", "))
+    return Dimension(units[0], (read_unit(units[0])[0], *custom), units)
 
 
 # The radian counts, but custom drops it wherever no length could be meant instead.
-MASS = _dimension("mass", "kg", "kg, g, t")
-LENGTH = _dimension("length", "m", "m, mm, um, nm")
-ANGLE = _dimension("angle", "rad", "rad, mrad, deg, arcsec, rev")
-TIME = _dimension("time", "s", "s, ms, us, min")
-FREQUENCY = _dimension("frequency", "Hz", "Hz, kHz, 1/min", Unit((0, 0, -1, 1), Fraction(2), 1))
-FORCE = _dimension("force", "N", "N, kN, MN")
-TORQUE = _dimension("torque", "N m", "N m, kN m")
-INERTIA = _dimension("moment-of-inertia", "kg m^2", "kg m^2, kg cm^2, kg mm^2")
-VELOCITY = _dimension("velocity", "m/s", "m/s, mm/s, m/min, mm/min")
-ANGULAR_VELOCITY = _dimension("angular-velocity", "rad/s", "rad/s, deg/s, rev/min")
-ACCELERATION = _dimension("acceleration", "m/s^2", "m/s^2, mm/s^2")
-ANGULAR_ACCELERATION = _dimension("angular-acceleration", "rad/s^2", "rad/s^2, deg/s^2")
-JERK = _dimension("jerk", "m/s^3", "m/s^3, mm/s^3")
-ANGULAR_JERK = _dimension("angular-jerk", "rad/s^3", "rad/s^3, deg/s^3")
-STIFFNESS = _dimension("stiffness", "N/m", "N/m, N/mm, N/um, kN/mm")
-DAMPING = _dimension("damping-constant", "N s/m", "N s/m, kN s/m")
-ROTARY_STIFFNESS = _dimension("rotary-stiffness", "N m/rad", "N m/rad", Unit((2, 1, -2, 0)))
-ROTARY_DAMPING = _dimension(
-    "rotary-damping-constant", "N m s/rad", "N m s/rad", Unit((2, 1, -1, 0))
-)
-GAIN = _dimension("position-gain", "1/s", "1/s, (m/min)/mm")
-PER_MASS = _dimension("gain-per-mass", "1/kg", "1/kg")
-PER_INERTIA = _dimension("gain-per-inertia", "1/(kg m^2)", "1/(kg m^2)", Unit((-2, -1, 0, 1)))
-MODAL_DEFLECTION = _dimension("modal-deflection", "N s^2", "N s^2")
-MODAL_RATE = _dimension("modal-rate", "N s", "N s")
-ROTARY_MODAL_DEFLECTION = _dimension("rotary-modal-deflection", "N m s^2", "N m s^2")
-ROTARY_MODAL_RATE = _dimension("rotary-modal-rate", "N m s", "N m s")
-RATIO = _dimension("ratio", "", "%")
+MASS = _dimension("kg, g, t")
+LENGTH = _dimension("m, mm, um, nm")
+ANGLE = _dimension("rad, mrad, deg, arcsec, rev")
+TIME = _dimension("s, ms, us, min")
+FREQUENCY = _dimension("Hz, kHz, 1/min", Unit((0, 0, -1, 1), Fraction(2), 1))
+FORCE = _dimension("N, kN, MN")
+TORQUE = _dimension("N m, kN m")
+INERTIA = _dimension("kg m^2, kg cm^2, kg mm^2")
+VELOCITY = _dimension("m/s, mm/s, m/min, mm/min")
+ANGULAR_VELOCITY = _dimension("rad/s, deg/s, rev/min")
+ACCELERATION = _dimension("m/s^2, mm/s^2")
+ANGULAR_ACCELERATION = _dimension("rad/s^2, deg/s^2")
+JERK = _dimension("m/s^3, mm/s^3")
+ANGULAR_JERK = _dimension("rad/s^3, deg/s^3")
+STIFFNESS = _dimension("N/m, N/mm, N/um, kN/mm")
+DAMPING = _dimension("N s/m, kN s/m")
+ROTARY_STIFFNESS = _dimension("N m/rad", Unit((2, 1, -2, 0)))
+ROTARY_DAMPING = _dimension("N m s/rad", Unit((2, 1, -1, 0)))
+GAIN = _dimension("1/s, (m/min)/mm")
+PER_MASS = _dimension("1/kg")
+PER_INERTIA = _dimension("1/(kg m^2)", Unit((-2, -1, 0, 1)))
+MODAL_DEFLECTION = _dimension("N s^2")
+MODAL_RATE = _dimension("N s")
+ROTARY_MODAL_DEFLECTION = _dimension("N m s^2")
+ROTARY_MODAL_RATE = _dimension("N m s")
+RATIO = Dimension("", (ONE,), ("%",))
 
 DIMENSIONS = (
     MASS, LENGTH, ANGLE, TIME, FREQUENCY, FORCE, TORQUE, INERTIA, VELOCITY, ANGULAR_VELOCITY,
     ACCELERATION, ANGULAR_ACCELERATION, JERK, ANGULAR_JERK, STIFFNESS, DAMPING,
-    ROTARY_STIFFNESS, ROTARY_DAMPING, PER_MASS, PER_INERTIA, RATIO,
+    ROTARY_STIFFNESS, ROTARY_DAMPING, PER_MASS, PER_INERTIA, RATIO, MODAL_DEFLECTION, MODAL_RATE,
+    ROTARY_MODAL_DEFLECTION, ROTARY_MODAL_RATE,
 )  # fmt: skip
-"""All dimensions with a name of their own; a gain is a frequency by its exponents."""
+"""All that a signal may be; a gain is a frequency by its exponents."""
 
 
 # What somebody meant who typed a unit that is none

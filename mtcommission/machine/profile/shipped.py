@@ -44,19 +44,18 @@ def read_shipped(name: str) -> ShippedProfile:
 
 def describe_shipped(profile: ShippedProfile, words: Catalogue) -> str:
     """Return name, machine and source of a shipped profile for a terminal of 80 columns."""
-    machine, kind = profile.machine, f"example-{profile.name}"
+    machine = profile.machine
     frequencies = (mode.frequency_hz for mode in machine.mechanics.modes)
     modes = [words.format.quantity(one, "Hz", digits=3) for one in frequencies]
     about = words.text(
         "example-about",
-        name=words.text(kind),
+        name=machine.name,
         axis_name=machine.axis,
         motion=machine.motion.value,
         modes=", ".join(modes),
     )
-    source = words.known(f"{kind}-source", words.text("example-illustrative"))
     lines = [profile.name]
-    for sentence in (about, words.text("example-source", source=source)):
+    for sentence in (about, words.text("terminal-source", source=machine.source)):
         lines += wrap(sentence, WIDTH, initial_indent="    ", subsequent_indent="    ")
     return "\n".join(lines) + "\n"
 

@@ -35,20 +35,14 @@ identify-not-described = { $files }: { $axis ->
 }
 
 # Streuungen
-identify-frequency-floor = { $states ->
+identify-floor = { $states ->
     [one] ein Zustand der Maschine wurde gemessen: andere Positionen, Zuladungen und Pegel sind nicht enthalten, daher mindestens { SHARE($floor) } (eine Annahme)
    *[other] { $states } Zustände stimmen auf { SHARE($floor) } überein, dem Mindesten, was Wiederholungen und Pegel an anderen Maschinen zeigten
 }
-identify-frequency-apart = jeder der { $states } Zustände wird für sich beurteilt, dazu die Mitte, dazwischen aber nichts (mehr Zustände messen, wo die Maschine dazwischen arbeitet); { SHARE($floor) } ist das Mindeste, was Wiederholungen und Pegel an anderen Maschinen zeigten
-identify-damping-apart = { identify-frequency-apart }
-identify-damping-floor = { $states ->
-    [one] ein Zustand der Maschine wurde gemessen: andere Positionen, Zuladungen und Pegel sind nicht enthalten, daher mindestens { SHARE($floor) } (eine Annahme)
-   *[other] { $states } Zustände stimmen auf { SHARE($floor) } überein, dem Mindesten, was Wiederholungen und Pegel an anderen Maschinen zeigten
-}
+identify-apart = jeder der { $states } Zustände wird für sich beurteilt, dazu die Mitte, dazwischen aber nichts (mehr Zustände messen, wo die Maschine dazwischen arbeitet); { SHARE($floor) } ist das Mindeste, was Wiederholungen und Pegel an anderen Maschinen zeigten
 identify-frequency-range = { $mode } liegt in { $states } Zuständen zwischen { FREQUENCY($low) } und { FREQUENCY($high) }
 identify-damping-range = { $mode } hat in { $states } Zuständen { NUMBER($low, digits: 3) } bis { NUMBER($high, digits: 3) }
-identify-frequency-sigma = die doppelte Standardabweichung von { $mode } ist { SHARE($spread) }
-identify-damping-sigma = die doppelte Standardabweichung von { $mode } ist { SHARE($spread) }
+identify-sigma = die doppelte Standardabweichung von { $mode } ist { SHARE($spread) }
 identify-damping-unknown = die Messung zeigt die Dämpfung von { $mode } kaum: { SHARE($spread) } ist angenommen, das Größte, was ein Profil fasst; länger aufzeichnen
 
 # Zweifel und Ratschläge
@@ -88,9 +82,6 @@ identify-document-sigma = ± steht für zwei Standardabweichungen dieser Messung
 identify-document-open = Noch anzugeben; mtcommission wizard -o { $file } fragt danach:
 identify-document-held = Motor folgt seinen Schritten; Eigenformen wie am Beschleunigungssensor
 identify-document-printer-max-acceleration = angenommen: was die Resonanzmessung selbst am oberen Ende fährt
-identify-document-printer-distance = angenommen: eine kurze Linie
-identify-document-printer-max-velocity = angenommen
-identify-document-printer-tcp-deviation = angenommen: kaum sichtbares Nachschwingen
 identify-document-name = Gemessene Achse
 identify-document-states = Zustände der Maschine: die Grenzen müssen in jedem gelten.
 identify-document-source = identifiziert aus { $files } am { $date }
@@ -137,7 +128,6 @@ identify-head-why = Warum
 identify-head-file = Datei
 identify-head-sensor = Sensor
 identify-head-format = Format
-identify-head-hash = SHA-256
 identify-head-explained = Erklärt
 identify-head-held-back = Zurückgehalten
 identify-not-known = nicht bekannt
@@ -153,27 +143,19 @@ identify-band-asked = wie --band verlangt
 identify-band-meaning = nach Kohärenz und Abweichung
 identify-caption-modes = Eigenformen über alle Zustände, ± zwei Standardabweichungen
 identify-caption-states = Eigenformen in jedem Zustand
-identify-caption-result = Was identifiziert wurde
-identify-caption-files = Was gelesen wurde
 identify-caption-check = Anteil der Signalleistung im Bereich, den das Modell aus { $axis ->
     [rotary] dem aufgezeichneten Drehmoment
    *[linear] der aufgezeichneten { word-force }
 } erklärt
 identify-plot-caption = { $file }: Messpunkte und angepasste Kurve
-identify-plot-alt = Betrag, Phase und Kohärenz von { $file } über der Frequenz: Die Messpunkte folgen der angepassten Kurve mit einer Abweichung vom { NUMBER($misfit, digits: 3) }-fachen des Rauschens.
-identify-spectrum-caption = { $file }: gemessenes Spektrum und angepasste Kurve
-identify-spectrum-alt = Leistungsdichte von { $file } über der Frequenz: gemessen und angepasst.
 identify-plot-frequency = f in Hz
 identify-plot-magnitude = |H| in { $unit }, Logarithmus zur Basis 10
 identify-plot-phase = Phase in °
 identify-plot-coherence = Kohärenz
 identify-plot-density = Dichte, Logarithmus zur Basis 10
 identify-plot-misfit = Abweichung / Rauschen
-identify-line-measured = gemessen
 identify-line-fitted = angepasst
 identify-line-error = ± 2 Standardabweichungen
-identify-sensor-encoder = Lagegeber
-identify-sensor-tcp = Werkzeug
 identify-stage = Identifiziere
 identify-next-run = Die Annahmen in { $file } ansehen, dann: mtcommission run { $file }
 identify-next-check = Dann: mtcommission check { $file }, danach mtcommission run { $file }
@@ -219,3 +201,4 @@ identified-klipper-max-accel = max_accel
 identified-klipper-chosen = { $shaper } (empfohlen)
 identified-klipper-ours = unsere: { $filter }
 identified-klipper-simulated = Seine Empfehlung und unsere, an dieser Achse simuliert: ungünstigster Fall der genannten Bewegungen und Eckfälle; das Urteil gilt für jede Größe, der die Grenzwerte dienen
+identify-document-printer = angenommen

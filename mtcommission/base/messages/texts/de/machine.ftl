@@ -3,8 +3,7 @@ mode-named = Eigenform { $mode }
 mode-rings-long = { ROUND($frequency, digits: 3) } Hz mit einem Dämpfungsgrad von { ROUND($damping_ratio, digits: 3) } klingt { ROUND($time, digits: 3) } s nach, bis 1 % übrig ist
 mode-rings-for-ever = { ROUND($frequency, digits: 3) } Hz mit einem Dämpfungsgrad von { ROUND($damping_ratio, digits: 3) } klingt nie ab
 cycle-shorter-than-drives-have = { ROUND($cycle, digits: 3, unit: "us") } us ist kürzer, als Antriebe es können, 31.25 us bis 1 ms
-mode-damping-low = Dämpfungsgrad { ROUND($damping_ratio, digits: 3) } liegt unter dem von Maschinengestellen, { ROUND($low) } bis { ROUND($high) }
-mode-damping-high = Dämpfungsgrad { ROUND($damping_ratio, digits: 3) } liegt über dem von Maschinengestellen, { ROUND($low) } bis { ROUND($high) }
+mode-damping-unusual = Dämpfungsgrad { ROUND($damping_ratio, digits: 3) } ist nicht der von Maschinengestellen, { ROUND($low) } bis { ROUND($high) }
 mode-slow = { ROUND($frequency, digits: 3) } Hz ist langsamer als jedes Maschinengestell; Steifigkeit und { word-mass } prüfen
 mode-above-velocity-sampling = { ROUND($frequency, digits: 3) } Hz liegt über einem Drittel der Abtastrate des Geschwindigkeitsreglers, { ROUND($rate) } Hz; keine Rückführung kann sie dämpfen
 mode-above-position-sampling = { ROUND($frequency, digits: 3) } Hz liegt über einem Drittel der Abtastrate des Lagereglers, { ROUND($rate) } Hz; Sollwerte in diesem Takt können sie nicht formen
@@ -16,14 +15,10 @@ mode-bends-far = { $axis ->
     [rotary] das volle Drehmoment
    *[linear] die volle { word-force }
 } verformt das Werkzeug um { LENGTH($deflection, digits: 3) }, das { ROUND($ratio, digits: 3) }-Fache von tcp_deviation = { LENGTH($band, digits: 3) }; Steifigkeit und Band prüfen
-force-hardly-moves-axis = { FORCE($force) }{ $axis ->
+acceleration-unusual = { FORCE($force) }{ $axis ->
     [open-loop] { "" }
    *[other] { " " }an { MASS($mass) }
-} ergeben { ACCELERATION($acceleration, digits: 3) }, was die Achse kaum bewegt; beide Einheiten prüfen
-force-beyond-axis = { FORCE($force) }{ $axis ->
-    [open-loop] { "" }
-   *[other] { " " }an { MASS($mass) }
-} ergeben { ACCELERATION($acceleration, digits: 3) }, mehr als eine Maschinenachse verträgt; beide Einheiten prüfen
+} ergeben { ACCELERATION($acceleration, digits: 3) }, was Maschinenachsen nicht tun; beide Einheiten prüfen
 static-load-large = { FORCE($load) } brauchen mehr als die Hälfte von { word-max-force } = { FORCE($max_force) }; einen Gewichtsausgleich erwägen
 continuous-force-above-max = { FORCE($force) } liegt über { word-max-force } = { FORCE($max_force) } und begrenzt nichts; sind beide vertauscht?
 force-lag-long = { ROUND($lag, digits: 3, unit: "ms") } ms ist lang für einen { word-force-before }regelkreis (Servoantriebe: 0,5 bis 5 ms)
@@ -32,8 +27,7 @@ move-lasts-long = eine starre Achse brauchte { ROUND($time, digits: 3) } s für 
    *[linear] Weg, Geschwindigkeit und { word-force }
 } prüfen
 move-fast = { VELOCITY($velocity) } ist schneller, als Maschinenachsen fahren, { VELOCITY($fastest) }; die Einheit prüfen
-band-finer-than-encoders = { LENGTH($band, digits: 3) } ist feiner, als Lagegeber auflösen; die Einheit prüfen
-band-no-accuracy = { LENGTH($band, digits: 3) } ist gar keine Genauigkeit; die Einheit prüfen
+band-unusual = { LENGTH($band, digits: 3) } ist keine übliche Genauigkeit; die Einheit prüfen
 payload-large = die Zuladung, { MASS($payload) }, ist mehr als das Dreifache { $axis ->
     [rotary] des bewegten Trägheitsmoments
    *[linear] der bewegten Masse

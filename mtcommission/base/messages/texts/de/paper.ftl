@@ -8,7 +8,6 @@ paper-figure-caption = Bild { $number }: zeitoptimale Lösung, F_max = 2 kN{ $nu
         [5] , |v_φ| ≤ 0,005 rad/s
        *[other] { "" }
     }
-paper-figure-alt = Sollkraft und Zustände über der Zeit bis t_f = { PLAIN($t_f, digits: 3, style: "f", unit: "ms") } ms; { $arcs } Bögen.
 paper-kalman-rank = Rang der Kalman-Matrix
     .basis = { json-whole-number }
     .reason = Bestimmt nach Skalierung der Zustände. In SI-Einheiten überspannen die Einträge von C { PLAIN($decades, digits: 0, style: "f") } Dekaden, und durch Rundung sieht der Rang wie { $unscaled } aus.

@@ -95,17 +95,3 @@ example-about = { $name }, Achse { $axis_name } ({ $motion ->
     [rotary] drehend
    *[linear] linear
 }; Eigenformen bei { $modes })
-example-source = Quelle: { $source }
-example-illustrative = beispielhafte Zahlen; Herleitung im Profil
-example-ball-screw = Tischachse mit Kugelgewindetrieb
-example-ball-screw-source = WZL FeedDriveLibrary, Beispiel h_i_opt (Özdemir u. a. 2015), K = A E / L; Lagersteifigkeit, Dämpfung, Zeitkonstante der Kraftregelung und Anforderungen beispielhaft; Herleitung im Profil
-example-honing-z = Honmaschine, Schlitten des Zahnrads
-example-honing-z-source = beispielhafte Zahlen; Maschinentyp nach Christiansen, Maurer, Zirn, Bild 1(b)
-example-milling-manipulator = Werkstückmanipulator einer Fräsmaschine
-example-milling-manipulator-source = Christiansen, Maurer, Zirn, Tabelle 1; max_force: Abschn. 5.1
-example-modal-two-modes = Portalachse mit zwei Eigenformen
-example-printer-belt = Kleiner Drucker mit Riemen
-example-mill-x = Kleine Fräsmaschine
-example-mill-y = Kleine Fräsmaschine
-example-rack-gantry = Portal mit Zahnstange und Ritzel
-example-rotary-table = Drehtisch mit Torquemotor

@@ -25,8 +25,6 @@ assumption-cycles = Lageregler und Vorsteuerung wirken einen Lagereglertakt vers
     [rotary] das Drehmoment
    *[linear] die { word-force }
 } wirkt einen Takt des Geschwindigkeitsreglers verspätet.
-assumption-exact-rest = Der zeitoptimale Vergleichswert verlangt exakte Ruhe aller Eigenformen; die Empfehlung wird an einem Band gemessen. Beide beantworten verschiedene Fragen.
-assumption-calculated = Ein berechnetes Blatt ist keine Abnahmeprüfung (z. B. ISO 230); an der Maschine bestätigen.
 assumption-static-load = Die statische Last mindert { $axis ->
     [rotary] das Drehmoment
    *[linear] die { word-force }

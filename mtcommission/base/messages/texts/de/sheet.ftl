@@ -7,7 +7,7 @@ axis = Achse
 identity = Profil { $name }, SHA-256 { $hash }
 disclaimer = Berechnetes Blatt, keine Abnahmeprüfung.
 contents = Inhalt
-skip = Zum Ergebnis springen
+skip = Zum Inhalt springen
 page = Seite
 appendix = Anhang
 script-note = Diagramme: Ziehen vergrößert, Doppelklick setzt zurück, Zeiger oder Pfeiltasten zeigen Werte.
@@ -51,7 +51,6 @@ settling-time = Einschwingzeit
 residual = Restabweichung
 peak-deviation = Größte Abweichung
 time = Zeit
-frequency = Frequenz
 velocity = Geschwindigkeit
 
 ## Verdict
@@ -118,10 +117,6 @@ reference = { $move }: zeitoptimaler Vergleichswert, exakte Ruhe: { $optimum }; 
     [sooner] { $settling }, { $share } weniger, da am Band und nicht an exakter Ruhe gemessen
    *[later] { $settling } ({ $share } mehr)
 }.
-band-optimum = Mit dem Band von ± { $band } statt exakter Ruhe: { $optimum } (empfohlen: { $change }; bewiesen: nichts unter { $bound }).
-robust-force = Ein { word-force-before }verlauf, der das Band bei jeder Frequenz und Dämpfung der Streuung einhält, braucht { $optimum } (empfohlen: { $change }).
-reference-bounded = Mit Höchstwerten braucht der Vergleichswert { $optimum }; die Empfehlung: { $change }.
-reference-enclosed = { $optimum } (bewiesen: nicht unter { $bound })
 checks-caption = Anforderungen
 warning-count = { $others ->
     [yes] Weitere Warnungen
@@ -138,7 +133,6 @@ could-be-met = Erreichbar: { $requirement } { $value } statt { $limit }.
 ## Machine
 
 machine-heading = Maschine und Achse
-data-caption = Daten, mit denen gerechnet wurde
 machine-row = Maschine
 axis-row = Achse
 linear = linear
@@ -147,12 +141,10 @@ mode = Eigenform
 of-mode = { $name } der Eigenform { $mode }
 peak-bound = { $name }, größter Betrag
 requirements-heading = Bewegungen und Anforderungen
-requirements-caption = Was gefordert ist
 
 ## Limits
 
 limits-heading = Grenzwerte je Bearbeitungsart
-machining-caption = Grenzwerte je Bearbeitungsart, jede mit eigenem Band
 machining-mode = Bearbeitungsart
 machining-surface = Oberfläche (Schlichten)
 machining-accuracy = Genauigkeit
@@ -166,7 +158,6 @@ mode-not-met = { $mode }: Mit diesem Band wurden keine Grenzwerte gefunden, die 
 }
 alternatives-caption = Grenzwerte nebeneinander, in derselben Simulation (ungünstigste Bewegung, ungünstigster Eckfall)
 listed-short = Nur für die angegebenen Größen
-limits-missed = Nicht alle Anforderungen erfüllen { $count } weitere Grenzwerte, Optima und Faustregeln: siehe Anhang.
 limits-name = Grenzwerte
 recommended = Empfohlen
 rule-heading = Inbetriebnahmeregel, von Hand angewandt
@@ -213,7 +204,6 @@ compared-with = Verglichen mit: { $machine }, Achse { $axis_name }, berechnet am
 compared-other-axis = { $before } und { $after } sind verschiedene Achsen: keine Zeile unten ist eine Änderung an einer Achse.
 changed-inputs = Maschine, Bewegungen und Anforderungen: was sich geändert hat
 no-changed-inputs = Maschine, Bewegungen und Anforderungen sind auf beiden Blättern dieselben.
-compared-force-filters = Filter im { word-force-before }sollwert
 changed-gains = Die Verstärkungen passen zu Achse und Regelkreis; von dem, woran sie hängen, hat sich geändert: { $causes }.
 changed-gains-by-moves = Von dem, woran die Reserven hängen, hat sich nichts geändert: Mit dem Übrigen dient ein anderer Regelkreis den Bewegungen am besten.
 changed-outcome = Grenzwerte, Ergebnis und Regelkreis: was sich geändert hat
@@ -227,14 +217,9 @@ not-stated = nicht angegeben
 
 responses-heading = Zeitverläufe
 responses-caption = { $move }: Sollwert, Werkzeugabweichung, { word-force }; Nennmaschine
-responses-alt = Beschleunigung von Sollwert und Antwort, Abweichung am Werkzeug und Soll{ word-force-behind } über der Zeit. Das Werkzeug weicht höchstens { $peak } ab und ist nach { $settling } eingeschwungen; Soll{ word-force-behind } höchstens { $force }.
 yardstick-caption = { $axis ->
-    [rotary] Bewegungen der Nennmaschine; kürzeste Zeiten, die das Drehmoment erlaubt (so viel länger dauert sie)
-   *[linear] Bewegungen der Nennmaschine; kürzeste Zeiten, die die { word-force } erlaubt (so viel länger dauert sie)
-}
-yardstick-note = { $axis ->
-    [rotary] Kürzeste Zeiten (zeitoptimal): so schnell ginge diese Bewegung mit dem Drehmoment dieses Antriebs höchstens, was die Steuerung auch täte; ein Maßstab, nichts zum Eingeben.
-   *[linear] Kürzeste Zeiten (zeitoptimal): so schnell ginge diese Bewegung mit der { word-force } dieses Antriebs höchstens, was die Steuerung auch täte; ein Maßstab, nichts zum Eingeben.
+    [rotary] Bewegungen der Nennmaschine neben den kürzesten Zeiten, die das Drehmoment erlaubt (länger um)
+   *[linear] Bewegungen der Nennmaschine neben den kürzesten Zeiten, die die { word-force } erlaubt (länger um)
 }
 move-head = Bewegung
 exact-rest = Kürzeste Zeit, exakte Ruhe
@@ -243,7 +228,6 @@ robust-short = Im Band über die Streuung
 motions-heading = Optimum, Empfehlung und Antwort
 drive-caption = { $move }: { word-force }, Beschleunigung und Geschwindigkeit
 vibration-caption = { $move }: Schwingung und TCP-Abweichung
-motion-alt = Verläufe über der Zeit: { $signals }. Soll{ word-force-behind } der Antwort höchstens { $force }; das Werkzeug weicht höchstens { $peak } vom Sollwert ab und ist nach { $settling } eingeschwungen.
 motion-note = Alle Diagramme einer Bewegung haben dieselbe Zeitachse. Optima enden bei t_f in exakter Ruhe; ihre Beschleunigung und die der Antwort ist F/m. Der Sollwert ist gezeigt wie vorgegeben; die Abweichung zählt gegen den um { $delay } verzögerten Sollwert.
 constrained = zeitoptimal, beschränkt
 setpoint = Sollwert
@@ -257,7 +241,6 @@ control = Steuerung
 
 loop-heading = Regelkreis: Reserven und Steifigkeit
 loop-details-heading = Regelkreis, Einzelheiten
-loop-cross-check = Gegenprobe: python-control findet aus denselben Blöcken { $gain } und { $phase } Reserve und jeden Pol auf { $poles } genau (z-Ebene).
 loop-why = Warum dieser Regelkreis:
 gain-margin-at = Amplitudenreserve { $margin }
 phase-margin-at = Phasenreserve { $margin }
@@ -278,10 +261,6 @@ disturbance-caption = { $axis ->
     [rotary] Antwort des Werkzeugs auf einen Momentensprung um die Achse des Antriebs
    *[linear] Antwort des Werkzeugs auf einen { word-force-before }sprung in der Wirklinie des Antriebs
 }
-disturbance-alt = { $axis ->
-    [rotary] Drehung des Werkzeugs je Drehmoment über der Zeit, eine Kurve je Regelkreis. Größte Werte: { $largest }.
-   *[linear] Auslenkung des Werkzeugs je { word-force } über der Zeit, eine Kurve je Regelkreis. Größte Werte: { $largest }.
-}
 deflection = { $axis ->
     [rotary] Drehung des Werkzeugs je Drehmoment
    *[linear] Auslenkung des Werkzeugs je { word-force }
@@ -299,10 +278,9 @@ bandwidth = Bandbreite des Geschwindigkeitsregelkreises (−3 dB)
 bandwidth-again = { $bandwidth } (Antiresonanz), wieder bis { $last }
 bandwidth-short = Bandbreite
 reference-delay = Sollwertverzögerung τ
-no-state-feedback = Keine Zustandsrückführung.
 sensors = Geber: { $names }.
 sensor-encoder = Lagegeber
-sensor-tcp = Sensor am TCP
+sensor-tcp = Werkzeug
 observed = Beobachtete Zustände: { $names }.
 variants-caption = Regelkreis mit und ohne Zustandsrückführung, je mit den besten Grenzwerten
 variant-used = { $name } (verwendet)
@@ -313,7 +291,6 @@ bode-caption = { $axis ->
     [rotary] Frequenzgang: offener Kreis (am Sollmoment aufgetrennt), geschlossener Geschwindigkeitsregelkreis
    *[linear] Frequenzgang: offener Kreis (an der Soll{ word-force-behind } aufgetrennt), geschlossener Geschwindigkeitsregelkreis
 }
-bode-alt = Betrag und Phase über der Frequenz. Amplitudenreserve { $gain }, Phasenreserve { $phase }, Bandbreite des Geschwindigkeitsregelkreises { $bandwidth }.
 magnitude = Betrag in dB
 phase = Phase in °
 open-loop = offener Kreis
@@ -348,12 +325,10 @@ at-least = mind. { $value }
 kept-nowhere = Die Anforderungen sind schon mit den Eigenfrequenzen des Profils nicht eingehalten; für einen Frequenzfehler bleibt nichts übrig.
 frequency-error = Fehler aller Eigenfrequenzen in %
 frequency-error-caption = Über dem Fehler der Eigenfrequenzen, ungünstigste Zuladung und Dämpfung
-frequency-error-alt = Kurven über dem gemeinsamen Fehler aller Eigenfrequenzen. Die Restabweichung liegt zwischen { $least } und { $most }; zulässig sind { $band }.
 
 ## Other sizes of move
 
 sizes-heading = Kleinere und größere Bewegungen
-sizes-note = Eine kleine Bewegung endet, bevor die Beschleunigung erreicht ist; ihre Rampen sind dann kürzer und löschen keine Schwingung. Die Tabelle sagt, für welche Bewegungen dieselben Grenzwerte, je mit ihrem Sollwertfilter, das Band einhalten (ungünstigster Eckfall). „Nur angegebene Größen“ sind Grenzwerte, die nur den Bewegungen des Profils dienen.
 sizes-listed = nur die angegebenen: { $moves }
 sizes-every = jede bis { $moves }
 sizes-worst = am größten { $residual } bei { $size }, keine über { $bound }
@@ -368,7 +343,6 @@ nowhere = nirgends
 or-less = { $value } oder weniger
 or-more = { $value } oder mehr
 sizes-plot-caption = { $move }: Restabweichung über der Größe der Bewegung, ungünstigster Eckfall
-sizes-plot-alt = Restabweichung über der Größe der Bewegung, je eine Kurve für: { $ways }. Zulässig sind { $band }.
 
 ## Evidence
 
@@ -383,7 +357,6 @@ largest-error = Größter Endfehler, bezogen auf den Höchstwert seines Zustands
 assumptions = Annahmen
 warnings = Warnungen
 versions-heading = Versionen und Profil
-versions-caption = Gerechnet mit
 program = Programm
 version = Version
 created = Berechnet am
@@ -486,3 +459,5 @@ improvements-note = Alles gerechnet: { $loop ->
 improvements-none = Weniger oder nichts bringen: { $changes }.
 improvement-saved = Gespart
 improvement-share = Zeitänderung
+plot-alt = Kurven über { $along }. { $panels }.
+line-measured = gemessen

@@ -94,26 +94,19 @@ verify-no-motion = { $name } bewegt sich nicht
 verify-no-move = keine Bewegung beginnt im Stillstand; vom Stillstand bis zum Ende der Verweilzeit aufzeichnen
 
 # Die Seite
-verify-part-verdict = Urteil
 verify-part-overlay = Gemessen über vorhergesagt
 verify-part-sources = Quellen
 verify-caption-checks = Jede Zusage
 verify-caption-sources = Aufgezeichnete Dateien
 verify-head-what = Zusage
 verify-head-predicted = Vorhergesagt (Eckfälle)
-verify-head-allowed = Zulässig
-verify-head-measured = Gemessen
-verify-head-verdict = Urteil
 verify-head-columns = Spalten
 verify-plot-caption = { $file }, Bewegung ab { TIME($begin) }
-verify-plot-alt = Aufgezeichnete Signale über dem Band aller Eckfälle. { $verdict }
 verify-plot-time = Zeit ab Beginn des Sollwerts
-verify-plot-acceleration = Beschleunigung des Sollwerts
 verify-plot-tcp = Abweichung des Werkzeugs
 verify-plot-encoder = Abweichung des Lagegebers
 verify-plot-force = { word-force }
 verify-plot-difference = gemessen weniger vorhergesagt
-verify-line-measured = gemessen
 verify-line-low = vorhergesagt, tiefster Eckfall
 verify-line-high = vorhergesagt, höchster Eckfall
 verify-line-band = Band
@@ -124,7 +117,6 @@ verify-line-difference = gemessen weniger nominell
 verify-part-differences = Was anders ist
 verify-caption-parameters = Parameter, wie sie die Aufzeichnungen zeigen
 verify-caption-feedforwards = Vorsteuerung, wie sie nach dem Schleppfehler sein sollte
-verify-head-feedforward = Vorsteuerung
 verify-parameter-reference-delay = Verzögerung des Sollwertpfads
 verify-parameter-feedforward-mass = { $axis ->
     [rotary] vorgesteuertes Trägheitsmoment
@@ -141,18 +133,14 @@ verify-feedforward-brings = { $moves ->
    *[other] Mit dem, was die erste Hälfte der Bewegungen sagt, bliebe der Lagegeber in der zweiten { $after } statt { $before } vom verzögerten Sollwert (Effektivwert).
 }
 verify-caption-limits = Grenzwerte, die daraus folgen
-verify-head-parameter = Parameter
 verify-head-old = Ergebnisdatei
 verify-head-new = Aufzeichnung
 verify-parameter-mass = { $axis ->
     [rotary] bewegtes Trägheitsmoment (samt Zuladung)
    *[linear] bewegte Masse (samt Zuladung)
 }
-verify-parameter-coulomb-friction = Coulombsche Reibung
-verify-parameter-viscous-friction = viskose Reibung
 verify-parameter-frequency = Frequenz (ungeregelt)
 verify-parameter-damping-ratio = Dämpfungsgrad (ungeregelt)
-verify-parameter-is-changed = geändert
 verify-parameter-is-same = wie bisher, innerhalb zweier Standardfehler
 verify-tested = { $moves ->
     [0] Nicht an anderen Bewegungen geprüft (nur eine ist aufgezeichnet): alte und neue Parameter lassen
@@ -162,10 +150,6 @@ verify-force-left = { $axis ->
     [rotary] Vom Drehmoment
    *[linear] Von der { word-force }
 } bleiben { SHARE($share) }.
-verify-limit-acceleration = Beschleunigung
-verify-limit-jerk = Ruck
-verify-limit-settling = Einschwingzeit
-verify-limit-met = Alle Anforderungen erfüllt
 verify-no-limits = Keine Grenzwerte für das verfeinerte Profil: { $why }
 verify-renewed = aus einer aufgezeichneten Bewegung, ± { $error }
 verify-renewed-derived = aus Frequenzen und Masse einer aufgezeichneten Bewegung

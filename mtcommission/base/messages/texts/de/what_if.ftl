@@ -1,7 +1,5 @@
 # Die interaktive Seite. Was in Klammern steht, setzt das Skript ein.
 
-what-if-title = Werte zum Probieren
-what-if-skip = Zu den Werten springen
 cli-page-written = geschrieben: { $file }; im Browser öffnen und andere Werte probieren
 what-if-heading = Was wäre, wenn: andere Werte probieren
 what-if-intro = Schieben oder eintippen: Die Seite rechnet den abgetasteten Regelkreis dieses Blatts neu, in jedem Eckfall, wie der Befehl simulate. { $today ->
@@ -11,14 +9,12 @@ what-if-intro = Schieben oder eintippen: Die Seite rechnet den abgetasteten Rege
 what-if-no-script = Werte zu probieren braucht JavaScript. Ohne hilft der Befehl simulate.
 what-if-slider = Schieber
 # $number: of the move; $size: with its unit
-what-if-move-named = Bewegung { $number }: { $size }
 what-if-load = Laden
 what-if-values = Werte nebeneinander
 what-if-tried = Probiert
 what-if-take = Diese nehmen
 what-if-taken = Kopiert.
 what-if-command = Befehlszeile, die die probierten Werte simuliert, und die Zeilen für die Steuerung
-what-if-response-caption = Abweichung des Werkzeugs
 what-if-response = Probiert: blau, die Eckfälle dünn; empfohlen: grün{ $today ->
     [yes] ; heute: orange
    *[no] {""}
@@ -32,7 +28,6 @@ what-if-landscape = Kräftig getönt: langsam; schraffiert: eine Anforderung ist
 }
 what-if-bode-caption = Offener Kreis mit Bandsperre
 what-if-bode = Im { word-force-before }sollwert aufgetrennt; jetzt: grün, mit der Bandsperre: blau. Punkt ziehen für Frequenz und Tiefe.
-what-if-phase = Phase des offenen Kreises: jetzt (grün), mit der Bandsperre (blau)
 what-if-margins = Reserven mit der Bandsperre
 what-if-margins-now = Jetzt, nominal
 what-if-margins-tried = Probiert, nominal
@@ -47,13 +42,7 @@ what-if-field-notch-frequency = Frequenz der Bandsperre
 what-if-field-notch-width = Breite der Bandsperre (Dämpfung des Nenners)
 what-if-field-notch-depth = Tiefe der Bandsperre
 what-if-duration = Dauer des Sollwerts
-what-if-deviation = Abweichung
 what-if-ramp = Die Ruckzeit ist kürzer als der Lagetakt, in dem eine Steuerung ihren Sollwert sendet: gerechnet mit einer Rampe von { $value }, wie beim Befehl simulate.
-what-if-frequency-hz = Frequenz in Hz
-what-if-open-loop-db = Offener Kreis in dB
-what-if-open-loop-deg = Phase in Grad
-what-if-none = –
-what-if-nominal = nominale Maschine
 what-if-frequencies = Frequenzen × { $factor }
 what-if-damping = Dämpfung × { $factor }
 what-if-all-corners = (schlechteste von allen { $count } Maschinen)
@@ -61,7 +50,6 @@ what-if-worst-so-far = (bisher die schlechtesten { $count } von { $all } Maschin
 what-if-all-met = Alle Anforderungen von dieser Bewegung auf allen { $count } Maschinen erfüllt.
 what-if-missed-check = { $name }: { $value }, erlaubt { $limit }
 what-if-saturated = Das verlangt mehr { word-force }, als da ist; der Befehl simulate zeigt die begrenzte Bewegung.
-what-if-saturated-short = mehr { word-force }, als da ist
 what-if-tried-machine = Die Maschine mit { $place } wird zusätzlich betrachtet; ihre Restabweichung ist { $value }.
 what-if-sizes-met = Anforderungen bei allen { $count } betrachteten Größen der Bewegung gehalten (ab 1 %; der Befehl simulate begrenzt auch die dazwischen).
 what-if-sizes-missed = Bei { $missed } von { $count } Größen der Bewegung wird eine Anforderung verfehlt; am schlechtesten { $size } mit { $value }.

@@ -1,5 +1,4 @@
 ask-machine-name = Name der Maschine
-ask-machine-name-where = Das Typenschild; steht über dem Blatt.
 ask-machine-axis = Name der Achse
 ask-machine-axis-where = Der Achsbuchstabe in NC-Programmen, z. B. X, Y, Z, B, C.
 ask-machine-motion = Linear- oder Drehachse
@@ -15,12 +14,10 @@ choice-servo = Servo
 choice-position-source = gesteuert (Lagequelle)
 ask-drive-max-force-where = { $axis ->
     [rotary] Datenblatt des Motors: Spitzenmoment x Übersetzung.
-   *[linear] Datenblatt des Motors: Spitzenkraft, oder Spitzenmoment x 2 pi / Steigung x Übersetzung.
+   *[linear] Datenblatt des Motors: Spitzenkraft; oder das Spitzenmoment an der Welle in N m, aus dem mit Steigung und Übersetzung eine Kraft wird.
 }
 ask-drive-force-lag-where = Stromregler des Antriebs: Anstiegszeit auf 63 %; Servoantriebe haben 0,5 bis 5 ms.
 ask-drive-continuous-force-where = Datenblatt des Motors: Nenn- oder Stillstandswert, die thermische (Effektiv-)Grenze.
-ask-drive-max-force-shaft-where = Motordatenblatt: Spitzenkraft, oder das Spitzenmoment an der Welle in N m, das in eine Kraft umgerechnet wird.
-ask-drive-continuous-force-shaft-where = Motordatenblatt: Nenn- oder Stillstandswert, die thermische Grenze (effektiv); ein Drehmoment an der Welle in N m wird in eine Kraft umgerechnet.
 ask-drive-continuous-force-empty = keine thermische Grenze
 ask-drive-static-load-where = { $axis ->
     [rotary] Gewichts- oder Prozessmoment, das der Antrieb hält; Schwenkachse außer Gleichgewicht: Masse x 9,81 m/s^2 x Abstand des Schwerpunkts; sonst 0.
@@ -43,7 +40,6 @@ ask-moves-dwell-where = Kühlt den Motor: mit 0 s fährt die Achse ohne Pause, u
    *[linear] die Dauerkraft
 } kann Beschleunigung kosten. Enter allein gilt als angenommen.
 ask-moves-velocity-step = Bewegung { $number }: Geschwindigkeit am Ende
-ask-moves-velocity-step-where = Vorschub oder Eilgang, der erreicht wird; die Endlage ist frei.
 ask-requirements-tcp-deviation-where = Die halbe Toleranz, die der Schwingung bleibt, nicht die ganze Toleranz des Teils.
 ask-requirements-max-settling-time-where = Taktzeitrechnung: vom Beginn der Bewegung, bis das Werkzeug ruht.
 ask-requirements-frequency-spread-where = 5 % für gemessene Werte, 10 bis 20 % für gerechnete; macht etwas langsamer. Mit 0 % passen die Grenzwerte genau zu diesen Frequenzen.
@@ -81,17 +77,14 @@ ask-today-acceleration = Beschleunigung in der Steuerung heute
 ask-today-acceleration-where = Das Blatt zeigt dann, was die heutigen Werte neben den empfohlenen bringen.
 ask-today-jerk = Ruck in der Steuerung heute
 ask-today-jerk-where = In Einheiten der Achse; hat die Steuerung eine Zeit: Beschleunigung / Zeit.
-ask-resolution-empty = unbekannt
-ask-today-empty = unbekannt
 ask-pair-motor-mass = { $axis ->
     [rotary] Trägheitsmoment auf der Motorseite, an der Achse
    *[linear] Masse auf der Motorseite, an der Achse gesehen
 }
 ask-pair-motor-mass-where = { $axis ->
     [rotary] Rotor und Getriebe: Trägheitsmoment x Übersetzung^2.
-   *[linear] Rotor, Spindel, Getriebe: Trägheitsmoment x (2 pi / Steigung)^2; bewegter Teil eines Linearmotors.
+   *[linear] Läufer, Kupplung, Spindel, Getriebe: ihr Trägheitsmoment an der Motorwelle in kg m^2, aus dem mit Steigung und Übersetzung eine Masse wird; bewegter Teil eines Linearmotors: seine Masse.
 }
-ask-pair-motor-mass-shaft-where = Läufer, Kupplung, Spindel, Getriebe: ihre Trägheit an der Motorwelle in kg m^2, die in eine Masse umgerechnet wird; oder diese Masse in kg.
 ask-pair-load-mass = { word-mass } auf der Werkzeugseite der Feder
 ask-pair-load-mass-where = { $axis ->
     [rotary] Tisch oder Kopf mit allem, was er trägt.
@@ -107,9 +100,8 @@ ask-pair-frequency = Eigenfrequenz der Last, während der Motor hält
 ask-pair-frequency-where = Bremse oder Lageregler ein, die Last anklopfen; im Bode-Diagramm des Motors die Antiresonanz.
 ask-plant-moving-mass-where = { $axis ->
     [rotary] Drehmoment durch Winkelbeschleunigung bei tiefen Frequenzen.
-   *[linear] Kraft durch Beschleunigung bei tiefen Frequenzen.
+   *[linear] Kraft durch Beschleunigung bei tiefen Frequenzen, mit Läufer; oder das ganze Trägheitsmoment an der Motorwelle in kg m^2.
 }
-ask-plant-moving-mass-shaft-where = Kraft durch Beschleunigung bei niedrigen Frequenzen, mit Läufer: x (2 pi / Steigung)^2. Oder die ganze Trägheit an der Motorwelle in kg m^2.
 ask-modes-frequency-empty = keine mehr
 ask-frequency-where = Frequenzgang von Kraft zu Beschleunigung, oder Anklopfen mit Beschleunigungsaufnehmer: die Spitze.
 ask-plant-modes-frequency-held-where = Bei gehaltenem Motor: die Spitze eines Beschleunigungsaufnehmers am Werkzeug (resonances_x.csv), oder nach Anklopfen.
@@ -122,7 +114,6 @@ ask-wizard-change = Nummer oder Schlüssel dessen, was zu ändern ist
 ask-wizard-change-empty = Profil schreiben
 ask-wizard-change-where = Eine Nummer der Liste oder ein Schlüssel des Profils, z. B. drive.max_force; < geht zu den Fragen zurück.
 ask-wizard-run = Die Grenzwerte jetzt berechnen
-ask-wizard-run-where = Dasselbe wie mtcommission run mit diesem Profil; einige Sekunden bis eine Minute.
 
 choice-rotary = drehend
 choice-off = aus
@@ -141,9 +132,7 @@ wizard-commands = Bei jeder Frage: ? Hilfe, < zurück, q Ende.
 wizard-back = zurück
 wizard-help = Hilfe
 wizard-quit = Ende
-wizard-first-question = Das ist die erste Frage.
 wizard-settled = Nicht gefragt, da es eine brauchbare Vorgabe hat oder fehlen darf:
-wizard-assumed-mark = { " " }(angenommen)
 wizard-no-such-key = „{ $got }“ angegeben; eine Nummer der Liste oder einen Schlüssel des Profils eingeben
 wizard-not-possible = Nicht möglich: { $key }: { $message }
 wizard-kept = { $how } bei { $where }; Antworten stehen in { $file }, derselbe Befehl macht dort weiter
@@ -153,12 +142,7 @@ wizard-interrupted = unterbrochen
 wizard-replaced = { $file } ersetzt, was vorher angegeben war: { $values }
 wizard-taken-as = gelesen als { $what }
 wizard-follows = = { $what }
-wizard-written = Geschrieben: { $file }: { $name }, Achse { $letter }
-wizard-compute-with = Die Grenzwerte berechnet: mtcommission run { $file }
-wizard-assumed = Angenommen, weder angegeben noch gemessen: { $keys }
-wizard-example = Beispiel: { $example }.
 wizard-example-behind = z. B. { $example }
-wizard-expected = Erwartet: { $what }.
 wizard-leave-out = Die Eingabetaste allein lässt es weg; - entfernt einen früheren Wert.
 
 reply-missing = hier ist eine Antwort nötig, z. B. { $example }
@@ -178,5 +162,4 @@ insight-acceleration = Beschleunigung des starren Körpers höchstens { ACCELERA
 insight-rotor-unknown = die { MASS($mass) } müssen den Läufer enthalten: jedes kg·cm² an der Motorwelle sind an der Achse { MASS($each) }
 
 document-head = Maschinenprofil für mtcommission; eine Größe ist ein Text mit Einheit oder eine Zahl in SI.
-document-check = Prüfen: mtcommission check DATEI; berechnen: mtcommission run DATEI.
 document-assumed = Einen Schlüssel aus assumed nehmen, sobald jemand den Wert kennt.

@@ -35,20 +35,14 @@ identify-not-described = { $files }: a rigid { $axis ->
 }
 
 # Spreads
-identify-frequency-floor = { $states ->
+identify-floor = { $states ->
     [one] one state of the machine was measured: other positions, payloads and levels are not in it, so { SHARE($floor) } at least (an assumption)
    *[other] { $states } states agree within { SHARE($floor) }, the least that repeats and levels of other machines showed
 }
-identify-frequency-apart = each of the { $states } states is judged by itself, and the middle, but nothing else between them (measure more states where the machine works in between); { SHARE($floor) } is the least that repeats and levels of other machines showed
-identify-damping-apart = { identify-frequency-apart }
-identify-damping-floor = { $states ->
-    [one] one state of the machine was measured: other positions, payloads and levels are not in it, so { SHARE($floor) } at least (an assumption)
-   *[other] { $states } states agree within { SHARE($floor) }, the least that repeats and levels of other machines showed
-}
+identify-apart = each of the { $states } states is judged by itself, and the middle, but nothing else between them (measure more states where the machine works in between); { SHARE($floor) } is the least that repeats and levels of other machines showed
 identify-frequency-range = { $mode } lies between { FREQUENCY($low) } and { FREQUENCY($high) } in { $states } states
 identify-damping-range = { $mode } has { NUMBER($low, digits: 3) } to { NUMBER($high, digits: 3) } in { $states } states
-identify-frequency-sigma = twice the standard error of { $mode } is { SHARE($spread) }
-identify-damping-sigma = twice the standard error of { $mode } is { SHARE($spread) }
+identify-sigma = twice the standard error of { $mode } is { SHARE($spread) }
 identify-damping-unknown = the measurement hardly shows the damping of { $mode }: { SHARE($spread) } is assumed, the most that a profile takes; record longer
 
 # Doubts and advice
@@ -85,9 +79,6 @@ identify-document-sigma = ± values are two standard errors of this measurement.
 identify-document-open = Still to be said; mtcommission wizard -o { $file } asks for it:
 identify-document-held = motor follows its steps; modes as an accelerometer shows them
 identify-document-printer-max-acceleration = assumed: what the resonance test itself drives at its upper end
-identify-document-printer-distance = assumed: a short line
-identify-document-printer-max-velocity = assumed
-identify-document-printer-tcp-deviation = assumed: ringing that can hardly be seen
 identify-document-name = Measured axis
 identify-document-states = States of the machine: limits are to serve each of them.
 identify-document-source = identified from { $files } on { $date }
@@ -134,7 +125,6 @@ identify-head-why = Why
 identify-head-file = File
 identify-head-sensor = Sensor
 identify-head-format = Format
-identify-head-hash = SHA-256
 identify-head-explained = Explained
 identify-head-held-back = Held back
 identify-not-known = not known
@@ -147,24 +137,16 @@ identify-band-asked = as --band asks
 identify-band-meaning = by coherence and misfit
 identify-caption-modes = Modes over all states, ± two standard errors
 identify-caption-states = Modes in each state
-identify-caption-result = What was identified
-identify-caption-files = What was read
 identify-caption-check = Share of the signal's power in the band that the model explains from the recorded { word-force }
 identify-plot-caption = { $file }: measured points and fitted curve
-identify-plot-alt = Magnitude, phase and coherence of { $file } over frequency: measured points follow the fitted curve with a misfit of { NUMBER($misfit, digits: 3) } times the noise.
-identify-spectrum-caption = { $file }: measured spectrum and fitted curve
-identify-spectrum-alt = Power density of { $file } over frequency: measured and fitted.
 identify-plot-frequency = f in Hz
 identify-plot-magnitude = |H| in { $unit }, logarithm to 10
 identify-plot-phase = phase in °
 identify-plot-coherence = coherence
 identify-plot-density = density, logarithm to 10
 identify-plot-misfit = misfit / noise
-identify-line-measured = measured
 identify-line-fitted = fitted
 identify-line-error = ± 2 standard errors
-identify-sensor-encoder = encoder
-identify-sensor-tcp = tool
 identify-stage = Identifying
 identify-next-run = Look at what is assumed in { $file }, then: mtcommission run { $file }
 identify-next-check = Then: mtcommission check { $file }, then mtcommission run { $file }
@@ -210,3 +192,4 @@ identified-klipper-max-accel = max_accel
 identified-klipper-chosen = { $shaper } (recommended)
 identified-klipper-ours = ours: { $filter }
 identified-klipper-simulated = Its recommendation and ours, simulated on this axis: worst of the listed moves and corners; the verdict is on every size that the limits serve
+identify-document-printer = assumed

@@ -6,8 +6,7 @@ mode-named = mode { $mode }
 mode-rings-long = { ROUND($frequency, digits: 3) } Hz at a damping ratio of { ROUND($damping_ratio, digits: 3) } rings for { ROUND($time, digits: 3) } s until 1 % is left
 mode-rings-for-ever = { ROUND($frequency, digits: 3) } Hz at a damping ratio of { ROUND($damping_ratio, digits: 3) } rings for ever
 cycle-shorter-than-drives-have = { ROUND($cycle, digits: 3, unit: "us") } us is shorter than drives have, 31.25 us to 1 ms
-mode-damping-low = damping ratio { ROUND($damping_ratio, digits: 3) } is below what machine structures show, { ROUND($low) } to { ROUND($high) }
-mode-damping-high = damping ratio { ROUND($damping_ratio, digits: 3) } is above what machine structures show, { ROUND($low) } to { ROUND($high) }
+mode-damping-unusual = damping ratio { ROUND($damping_ratio, digits: 3) } is not what machine structures show, { ROUND($low) } to { ROUND($high) }
 mode-slow = { ROUND($frequency, digits: 3) } Hz is slower than any machine structure; check stiffness and { word-mass }
 # $rate [Hz]
 mode-above-velocity-sampling = { ROUND($frequency, digits: 3) } Hz is above a third of the velocity loop's sampling rate, { ROUND($rate) } Hz; no feedback can damp it
@@ -17,14 +16,10 @@ measured-not-described = misfit { ROUND($misfit, digits: 3) }, at most { ROUND($
 mode-unseen = neither tool nor encoder sees it; it costs time in the optimum for nothing
 mode-gain-large = its gain is { ROUND($ratio, digits: 3) } times 1/moving_mass; check the unit of the gains
 mode-bends-far = the full { word-force } bends the tool by { LENGTH($deflection, digits: 3) }, { ROUND($ratio, digits: 3) } times tcp_deviation = { LENGTH($band, digits: 3) }; check the stiffness and the band
-force-hardly-moves-axis = { FORCE($force) }{ $axis ->
+acceleration-unusual = { FORCE($force) }{ $axis ->
     [open-loop] { "" }
    *[other] { " " }on { MASS($mass) }
-} give { ACCELERATION($acceleration, digits: 3) }, which hardly moves the axis; check both units
-force-beyond-axis = { FORCE($force) }{ $axis ->
-    [open-loop] { "" }
-   *[other] { " " }on { MASS($mass) }
-} give { ACCELERATION($acceleration, digits: 3) }, which is more than a machine axis bears; check both units
+} give { ACCELERATION($acceleration, digits: 3) }, which is not what machine axes do; check both units
 static-load-large = { FORCE($load) } take more than half of { word-max-force } = { FORCE($max_force) }; consider a counterbalance
 continuous-force-above-max = { FORCE($force) } is above { word-max-force } = { FORCE($max_force) }, so it limits nothing; the two may be swapped
 force-lag-long = { ROUND($lag, digits: 3, unit: "ms") } ms is long for a { word-force } loop (servo drives: 0.5 to 5 ms)
@@ -33,8 +28,7 @@ move-lasts-long = a rigid axis would need { ROUND($time, digits: 3) } s for this
    *[linear] distance, velocity and { word-force }
 }
 move-fast = { VELOCITY($velocity) } is faster than machine axes move, { VELOCITY($fastest) }; check the unit
-band-finer-than-encoders = { LENGTH($band, digits: 3) } is finer than encoders resolve; check the unit
-band-no-accuracy = { LENGTH($band, digits: 3) } is no accuracy at all; check the unit
+band-unusual = { LENGTH($band, digits: 3) } is no usual accuracy; check the unit
 payload-large = the payload, { MASS($payload) }, is more than three times the moving { word-mass }, { MASS($mass) }; one set of limits will be slow for the empty axis
 bands-not-widening = the bands of the machining modes, surface { ROUND($surface, digits: 3) }, accuracy { ROUND($accuracy, digits: 3) } and speed { SI($speed, "LENGTH", digits: 3) }, do not widen in this order; they may be swapped
 feedforward-mass-far = { MASS($mass) } in the feed-forward is far from the moving { word-mass }, { ROUND($low) } to { SI($high, "MASS") }; the feed-forward will push too little or too much

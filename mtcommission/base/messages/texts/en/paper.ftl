@@ -10,7 +10,6 @@ paper-figure-caption = Fig. { $number }: time-optimal solution, F_max = 2 kN{ $n
         [5] , |v_φ| ≤ 0.005 rad/s
        *[other] { "" }
     }
-paper-figure-alt = Set force and states over time up to t_f = { PLAIN($t_f, digits: 3, style: "f", unit: "ms") } ms; { $arcs } arcs.
 paper-kalman-rank = rank of the Kalman matrix
     .basis = { json-whole-number }
     .reason = Decided after scaling the states. In SI units the entries of C span { PLAIN($decades, digits: 0, style: "f") } decades, and rounding makes its rank look like { $unscaled }.

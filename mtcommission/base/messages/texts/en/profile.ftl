@@ -109,17 +109,3 @@ example-about = { $name }, axis { $axis_name } ({ $motion ->
     [rotary] rotary
    *[linear] linear
 }; modes at { $modes })
-example-source = Source: { $source }
-example-illustrative = illustrative numbers; derivation in the profile
-example-ball-screw = Ball screw table axis
-example-ball-screw-source = WZL FeedDriveLibrary, example h_i_opt (Özdemir et al. 2015), K = A E / L; bearing stiffness, damping, force lag and requirements illustrative; derivation in the profile
-example-honing-z = Honing machine, gear wheel slide
-example-honing-z-source = illustrative numbers; machine type from Christiansen, Maurer, Zirn, Fig. 1(b)
-example-milling-manipulator = Milling machine workpiece manipulator
-example-milling-manipulator-source = Christiansen, Maurer, Zirn, Table 1; max_force: sec. 5.1
-example-modal-two-modes = Gantry axis with two modes
-example-printer-belt = Small printer with belt
-example-mill-x = Small milling machine
-example-mill-y = Small milling machine
-example-rack-gantry = Gantry with rack and pinion
-example-rotary-table = Rotary table with torque motor

@@ -27,8 +27,6 @@ assumption-linear = { $axis ->
 }
 assumption-encoder = Velocity is the difference of the encoder position over one velocity cycle, as drives form it; beyond a stated resolution the encoder measures without error.
 assumption-cycles = Position controller and feed-forward act one position cycle late and are held for one cycle; the { word-force } acts one velocity cycle late.
-assumption-exact-rest = The time-optimal reference demands exact rest of all modes; the recommendation is judged by a band, so the two answer different questions.
-assumption-calculated = A calculated record is not an acceptance test (e.g. ISO 230); confirm on the machine.
 assumption-static-load = The static load takes its amount from the { word-force } available for motion; its deflection is constant and taken up by the integral part of the velocity loop.
 
 # Where a datum comes from.

@@ -7,7 +7,7 @@ axis = axis
 identity = Profile { $name }, SHA-256 { $hash }
 disclaimer = Calculated record, not an acceptance test.
 contents = Contents
-skip = Skip to the verdict
+skip = Skip to the content
 page = page
 appendix = Appendix
 script-note = Plots: drag to zoom, double-click to reset, move the pointer (or the arrow keys) to read values.
@@ -51,7 +51,6 @@ settling-time = Settling time
 residual = Residual deviation
 peak-deviation = Peak deviation
 time = Time
-frequency = Frequency
 velocity = Velocity
 
 ## Verdict
@@ -112,10 +111,6 @@ reference = { $move }: time-optimal reference, exact rest: { $optimum }; recomme
     [sooner] { $settling }, { $share } less, since it is judged by the band and not by exact rest
    *[later] { $settling } ({ $share } more)
 }.
-band-optimum = With the band of ± { $band } instead of exact rest: { $optimum } (recommended: { $change }; proved: nothing below { $bound }).
-robust-force = { word-a-force-first } profile that keeps the band at every frequency and damping of the spread takes { $optimum } (recommended: { $change }).
-reference-bounded = With its peaks bounded the reference takes { $optimum }; the recommendation: { $change }.
-reference-enclosed = { $optimum } (proved: not below { $bound })
 checks-caption = Requirements
 warning-count = { $others ->
     [yes] Further warnings
@@ -132,7 +127,6 @@ could-be-met = Could be met: { $requirement } { $value } instead of { $limit }.
 ## Machine
 
 machine-heading = Machine and axis
-data-caption = Data as calculated with
 machine-row = Machine
 axis-row = Axis
 linear = linear
@@ -141,12 +135,10 @@ mode = Mode
 of-mode = { $name } of mode { $mode }
 peak-bound = { $name }, largest magnitude
 requirements-heading = Moves and requirements
-requirements-caption = What is required
 
 ## Limits
 
 limits-heading = Limits by machining mode
-machining-caption = Limits by machining mode, each from a band of its own
 machining-mode = Machining mode
 machining-surface = Surface (finishing)
 machining-accuracy = Accuracy
@@ -160,7 +152,6 @@ mode-not-met = { $mode }: no limits were found that meet all requirements with t
 }
 alternatives-caption = Limits beside each other, in the same simulation (worst move, worst corner)
 listed-short = For the listed sizes only
-limits-missed = Not all requirements are met by { $count } other limits, optima and rules of thumb: see the appendix.
 limits-name = Limits
 recommended = Recommended
 rule-heading = Commissioning rule, applied by hand
@@ -201,7 +192,6 @@ compared-with = Compared with: { $machine }, axis { $axis_name }, calculated on 
 compared-other-axis = { $before } and { $after } are different axes: no row below is a change that somebody made to one axis.
 changed-inputs = Machine, moves and requirements: what changed
 no-changed-inputs = Machine, moves and requirements are the same in both records.
-compared-force-filters = Filters of the set { word-force }
 changed-gains = The gains suit the axis and its loop; of what they hang on, this changed: { $causes }.
 changed-gains-by-moves = Of what the margins hang on nothing changed: with the rest another loop serves the moves best.
 changed-outcome = Limits, result and loop: what changed
@@ -215,9 +205,7 @@ not-stated = not stated
 
 responses-heading = Responses
 responses-caption = { $move }: setpoint, tool deviation, { word-force }; nominal machine
-responses-alt = Acceleration of setpoint and response, deviation of the tool, and set { word-force } over time. The tool is at most { $peak } off, settled after { $settling }; set { word-force } at most { $force }.
-yardstick-caption = Each move on the nominal machine; least times that the { word-force } allows (move takes longer by)
-yardstick-note = Least times (time-optimal): with the { word-force } of this drive the move could take no less, whatever the control did; a yardstick, nothing to enter.
+yardstick-caption = Moves of the nominal machine beside the least times that the { word-force } allows (longer by)
 move-head = Move
 exact-rest = Least time, exact rest
 within-band = Least time, in the band
@@ -225,7 +213,6 @@ robust-short = In the band over the spread
 motions-heading = Optimum, recommendation and response
 drive-caption = { $move }: { word-force }, acceleration and velocity
 vibration-caption = { $move }: vibration and TCP deviation
-motion-alt = Curves over time of { $signals }. Set { word-force } of the response at most { $force }; the tool is at most { $peak } off the setpoint and settled after { $settling }.
 motion-note = All plots of a move share the time axis. Optima end in exact rest at t_f; the acceleration shown for them and for the response is F/m. The setpoint is shown as commanded; the deviation is counted from the setpoint delayed by { $delay }.
 constrained = time-optimal, bounded
 setpoint = setpoint
@@ -239,7 +226,6 @@ control = Control
 
 loop-heading = Control loop: margins and stiffness
 loop-details-heading = Control loop, details
-loop-cross-check = Cross-check: from the same blocks python-control finds { $gain } and { $phase } of margin, and every pole to { $poles } (z plane).
 loop-why = Why this loop:
 gain-margin-at = gain margin { $margin }
 phase-margin-at = phase margin { $margin }
@@ -256,10 +242,6 @@ loop-corners-caption = The loop in every corner of payload and spread
 disturbance-caption = { $axis ->
     [rotary] Response of the tool to a step of torque about the axis of the drive
    *[linear] Response of the tool to a step of { word-force } on the line of the drive
-}
-disturbance-alt = { $axis ->
-    [rotary] Rotation of the tool per torque over time, one curve for each loop. Largest values: { $largest }.
-   *[linear] Displacement of the tool per { word-force } over time, one curve for each loop. Largest values: { $largest }.
 }
 deflection = { $axis ->
     [rotary] Rotation of the tool per torque
@@ -278,10 +260,9 @@ bandwidth = Bandwidth of the velocity loop (−3 dB)
 bandwidth-again = { $bandwidth } (antiresonance), again to { $last }
 bandwidth-short = Bandwidth
 reference-delay = Reference delay τ
-no-state-feedback = No state feedback.
 sensors = Sensors: { $names }.
 sensor-encoder = encoder
-sensor-tcp = tcp
+sensor-tcp = tool
 observed = Observed states: { $names }.
 variants-caption = The loop with and without state feedback, each with its best limits
 variant-used = { $name } (used)
@@ -289,7 +270,6 @@ damping-of = Damping of mode { $mode }
 dynamic-stiffness = Least dynamic stiffness at the tool
 stiffness-at = { $stiffness } at { $frequency }
 bode-caption = Frequency response: open loop (cut at the set { word-force }), closed velocity loop
-bode-alt = Magnitude and phase over frequency. Gain margin { $gain }, phase margin { $phase }, bandwidth of the velocity loop { $bandwidth }.
 magnitude = Magnitude in dB
 phase = Phase in °
 open-loop = open loop
@@ -321,12 +301,10 @@ at-least = at least { $value }
 kept-nowhere = The requirements are not kept even with the eigenfrequencies of the profile, so there is no frequency error to allow.
 frequency-error = Error of all eigenfrequencies in %
 frequency-error-caption = Over the error of the eigenfrequencies, worst payload and damping
-frequency-error-alt = Curves over the common error of all eigenfrequencies. The residual deviation lies between { $least } and { $most }; permitted are { $band }.
 
 ## Other sizes of move
 
 sizes-heading = Smaller and larger moves
-sizes-note = A small move ends before the acceleration is reached; its ramps are shorter then and cancel no vibration. The table says for which moves the same limits, each with its setpoint filter, keep the band (worst corner). "Listed sizes only" are limits that serve the profile's own moves and no others.
 sizes-listed = only those listed: { $moves }
 sizes-every = every one up to { $moves }
 sizes-worst = worst { $residual } at { $size }, none above { $bound }
@@ -341,7 +319,6 @@ nowhere = nowhere
 or-less = { $value } or less
 or-more = { $value } or more
 sizes-plot-caption = { $move }: residual deviation over the size of the move, worst corner
-sizes-plot-alt = Residual deviation over the size of the move, a curve for each of: { $ways }. Permitted are { $band }.
 
 ## Evidence
 
@@ -356,7 +333,6 @@ largest-error = Largest terminal error, relative to the peak of its state
 assumptions = Assumptions
 warnings = Warnings
 versions-heading = Versions and profile
-versions-caption = Calculated with
 program = Program
 version = Version
 created = Calculated on
@@ -433,3 +409,5 @@ improvements-note = Each computed: { $loop ->
 improvements-none = Less or nothing is gained by: { $changes }.
 improvement-saved = Saved
 improvement-share = Change of time
+plot-alt = Curves over { $along }. { $panels }.
+line-measured = measured

@@ -3,46 +3,9 @@ decimal-mark = .
 # Quantities with units, as people type them.
 
 # Kinds of quantity, with their article.
-dimension-mass = a mass
-dimension-length = a length
-dimension-angle = an angle
-dimension-time = a time
-dimension-frequency = a frequency
-dimension-force = { $axis ->
-    [open-loop] an acceleration
-   *[other] a force
-}
-dimension-torque = a torque
-dimension-moment-of-inertia = a moment of inertia
-dimension-velocity = a velocity
-dimension-angular-velocity = an angular velocity
-dimension-acceleration = an acceleration
-dimension-angular-acceleration = an angular acceleration
-dimension-jerk = a jerk
-dimension-angular-jerk = an angular jerk
-dimension-stiffness = a stiffness
-dimension-damping-constant = a damping constant
-dimension-rotary-stiffness = a rotary stiffness
-dimension-rotary-damping-constant = a rotary damping constant
-dimension-position-gain = a position gain
-dimension-gain-per-mass = a gain per mass
-dimension-gain-per-inertia = a gain per inertia
-dimension-modal-deflection = a modal deflection
-dimension-modal-rate = a modal rate
-dimension-rotary-modal-deflection = a rotary modal deflection
-dimension-rotary-modal-rate = a rotary modal rate
-dimension-ratio = a ratio
-
-dimension-per = { $what } per { $other }
-dimension-squared = { $what } squared
-dimension-in = a quantity in { $units }
 
 # $what: a kind of quantity; $units: one of the next three
-quantity-described = { $what }, { $units }
-quantity-expected = must be { $what }, { $units }
-unit-in = in { $last }
-unit-in-one-of = in { $first } or { $last }
-unit-none-or = without a unit or in { $last }
+quantity-expected = must be in { $units }
 
 # What is wrong with a unit.
 unit-too-long = a unit has at most { $most } characters
@@ -56,9 +19,7 @@ unit-meant = {" "}(did you mean "{ $unit }"?)
 quantity-with-control-characters = got "{ $got }" with control characters; remove them
 quantity-too-long = got "{ $got }"; a quantity has at most { $most } characters
 quantity-without-unit = got "{ $got }": { $why }{ $advice }; { $expected }
-quantity-of-another-kind = got "{ $got }", which is { $what }{ $advice }; { $expected }{ $hint }
-g-is-the-gram = ; g is the gram here, write 9.81 m/s^2
-quantity-infinite = got "{ $got }", must be a finite number; { $expected }
+g-is-the-gram = { " " }(g is the gram here, write 9.81 m/s^2)
 quantity-without-number = got "{ $got }", which does not begin with a number; { $expected }
 number-infinite = got "{ $got }", must be a finite number
 number-with-separators = got "{ $got }"; write the number without thousands separators
@@ -108,3 +69,5 @@ word-max-force = { $axis ->
     [open-loop] max_acceleration
    *[other] max_force
 }
+ratio-expected = must be without a unit, or in { $units }
+quantity-in-other = got "{ $got }"{ $advice }; { $expected }

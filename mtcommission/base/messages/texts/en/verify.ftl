@@ -91,26 +91,19 @@ verify-no-motion = { $name } does not move
 verify-no-move = no move begins at rest in these traces; record from standstill to the end of the dwell
 
 # The page
-verify-part-verdict = Verdict
 verify-part-overlay = Measured over predicted
 verify-part-sources = Sources
 verify-caption-checks = Every promise
 verify-caption-sources = Recorded files
 verify-head-what = Promise
 verify-head-predicted = Predicted (corners)
-verify-head-allowed = Allowed
-verify-head-measured = Measured
-verify-head-verdict = Verdict
 verify-head-columns = Columns
 verify-plot-caption = { $file }, move from { TIME($begin) } on
-verify-plot-alt = Recorded signals over the band of all corners. { $verdict }
 verify-plot-time = time from the start of the setpoint
-verify-plot-acceleration = acceleration of the setpoint
 verify-plot-tcp = deviation of the tool
 verify-plot-encoder = deviation of the encoder
 verify-plot-force = { word-force }
 verify-plot-difference = measured less predicted
-verify-line-measured = measured
 verify-line-low = predicted, lowest corner
 verify-line-high = predicted, highest corner
 verify-line-band = band
@@ -121,7 +114,6 @@ verify-line-difference = measured less nominal
 verify-part-differences = What is different
 verify-caption-parameters = Parameters as the traces show them
 verify-caption-feedforwards = Feed-forward as it should be, by the following error
-verify-head-feedforward = Feed-forward
 verify-parameter-reference-delay = delay of the reference path
 verify-parameter-feedforward-mass = { $axis ->
     [rotary] inertia of the acceleration's feed-forward
@@ -138,28 +130,20 @@ verify-feedforward-brings = { $moves ->
    *[other] With what the first half of the moves says, the encoder would stay { $after } from the delayed setpoint in the second half instead of { $before } (RMS).
 }
 verify-caption-limits = Limits that follow
-verify-head-parameter = Parameter
 verify-head-old = Record
 verify-head-new = Trace
 verify-parameter-mass = { $axis ->
     [rotary] moving inertia (payload included)
    *[linear] moving mass (payload included)
 }
-verify-parameter-coulomb-friction = Coulomb friction
-verify-parameter-viscous-friction = viscous friction
 verify-parameter-frequency = open-loop frequency
 verify-parameter-damping-ratio = open-loop damping ratio
-verify-parameter-is-changed = changed
 verify-parameter-is-same = as before, within two standard errors
 verify-tested = { $moves ->
     [0] Not tested on other moves (one move alone was recorded): old and new parameters leave
    *[other] Tested on { $moves } moves that were held back: old and new parameters leave
 } { SHARE($before) } and { SHARE($after) } (RMS) of the deviation.
 verify-force-left = Of the { word-force } { SHARE($share) } are left.
-verify-limit-acceleration = Acceleration
-verify-limit-jerk = Jerk
-verify-limit-settling = Settling time
-verify-limit-met = All requirements met
 verify-no-limits = No limits for the refined profile: { $why }
 verify-renewed = from a recorded move, ± { $error }
 verify-renewed-derived = from the frequencies and the mass of a recorded move

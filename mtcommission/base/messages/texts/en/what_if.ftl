@@ -1,7 +1,5 @@
 # The interactive page. The script fills in what stands in braces.
 
-what-if-title = Values to try
-what-if-skip = Skip to the values
 cli-page-written = written: { $file }; open it in a browser and try other values
 what-if-heading = What if: try other values
 what-if-intro = Slide or type: the page runs the sampled loop of this record again, in every corner, as the command simulate does. { $today ->
@@ -11,14 +9,12 @@ what-if-intro = Slide or type: the page runs the sampled loop of this record aga
 what-if-no-script = Trying values needs JavaScript. Without it, use the command simulate.
 what-if-slider = slider
 # $number: of the move; $size: with its unit
-what-if-move-named = Move { $number }: { $size }
 what-if-load = Load
 what-if-values = Values side by side
 what-if-tried = Tried
 what-if-take = Take these
 what-if-taken = Copied.
 what-if-command = Command line that simulates the tried values, and the rows for the control
-what-if-response-caption = Deviation of the tool
 what-if-response = Tried: blue, its corners thin; recommended: green{ $today ->
     [yes] ; today: orange
    *[no] {""}
@@ -32,7 +28,6 @@ what-if-landscape = Strong tint: slow; hatched: a requirement is not met. A fiel
 }
 what-if-bode-caption = Open loop with a notch
 what-if-bode = Cut at the set { word-force }; now: green, with the notch: blue. Drag the point for frequency and depth.
-what-if-phase = Phase of the open loop: now (green), with the notch (blue)
 what-if-margins = Margins with the notch
 what-if-margins-now = Now, nominal
 what-if-margins-tried = Tried, nominal
@@ -47,13 +42,7 @@ what-if-field-notch-frequency = Notch frequency
 what-if-field-notch-width = Notch width (damping of the denominator)
 what-if-field-notch-depth = Notch depth
 what-if-duration = Duration of the setpoint
-what-if-deviation = Deviation
 what-if-ramp = The jerk time is shorter than the position cycle, in which a control sends its setpoint: computed with a ramp of { $value }, as the command simulate does.
-what-if-frequency-hz = Frequency in Hz
-what-if-open-loop-db = Open loop in dB
-what-if-open-loop-deg = Phase in degrees
-what-if-none = –
-what-if-nominal = nominal machine
 what-if-frequencies = frequencies × { $factor }
 what-if-damping = damping × { $factor }
 what-if-all-corners = (worst of all { $count } machines)
@@ -61,7 +50,6 @@ what-if-worst-so-far = (worst { $count } of { $all } machines so far)
 what-if-all-met = All requirements met by this move on all { $count } machines.
 what-if-missed-check = { $name }: { $value }, allowed { $limit }
 what-if-saturated = This asks for more { word-force } than there is; the command simulate shows the saturated motion.
-what-if-saturated-short = more { word-force } than there is
 what-if-tried-machine = The machine with { $place } is looked at besides; its residual deviation is { $value }.
 what-if-sizes-met = Requirements kept at all { $count } sizes of move that were looked at (from 1 % up; the command simulate bounds those between, too).
 what-if-sizes-missed = At { $missed } of { $count } sizes of move a requirement is missed; the worst is { $size } with { $value }.

@@ -2,7 +2,6 @@
 # $number: which element of an array, $name: the last part of the key
 
 ask-machine-name = Name of the machine
-ask-machine-name-where = The type plate; it heads the sheet.
 ask-machine-axis = Name of the axis
 ask-machine-axis-where = The axis letter in NC programs, e.g. X, Y, Z, B, C.
 ask-machine-motion = Linear or rotary axis
@@ -18,12 +17,10 @@ choice-servo = servo
 choice-position-source = open loop (position source)
 ask-drive-max-force-where = { $axis ->
     [rotary] Motor data sheet: peak torque x gear ratio.
-   *[linear] Motor data sheet: peak force, or peak torque x 2 pi / lead x gear ratio.
+   *[linear] Motor data sheet: peak force; or the peak torque at the shaft in N m, which lead and gear turn into a force.
 }
 ask-drive-force-lag-where = Drive's current loop: rise time to 63 %; servo drives have 0.5 to 5 ms.
 ask-drive-continuous-force-where = Motor data sheet: rated or stall value, the thermal (RMS) limit.
-ask-drive-max-force-shaft-where = Motor data sheet: peak force, or the peak torque at the shaft in N m, which is turned into a force.
-ask-drive-continuous-force-shaft-where = Motor data sheet: rated or stall value, the thermal (RMS) limit; a torque at the shaft in N m is turned into a force.
 ask-drive-continuous-force-empty = no thermal limit
 ask-drive-static-load-where = { $axis ->
     [rotary] Weight or process torque that the drive holds; swivel axis off its balance: mass x 9.81 m/s^2 x distance of the centre; else 0.
@@ -46,7 +43,6 @@ ask-moves-dwell-where = Cools the motor: with 0 s the axis never pauses, and the
    *[linear] force
 } may cost acceleration. Enter alone marks it as assumed.
 ask-moves-velocity-step = Move { $number }: velocity at the end
-ask-moves-velocity-step-where = Feed or rapid traverse that is reached; the end position is free.
 ask-requirements-tcp-deviation-where = Half the tolerance that you leave to vibration, not the whole tolerance of the part.
 ask-requirements-max-settling-time-where = Cycle time calculation: from the start of the move until the tool is quiet.
 ask-requirements-frequency-spread-where = 5 % for measured values, 10 to 20 % for calculated ones; costs some speed. With 0 % the limits fit exactly these frequencies.
@@ -84,17 +80,14 @@ ask-today-acceleration = Acceleration limit in the control now
 ask-today-acceleration-where = The sheet then shows what today's values give beside the recommended ones.
 ask-today-jerk = Jerk limit in the control now
 ask-today-jerk-where = In units of the axis; where the control has a time: acceleration / time.
-ask-resolution-empty = not known
-ask-today-empty = not known
 ask-pair-motor-mass = { $axis ->
     [rotary] Inertia on the motor's side, seen at the axis
    *[linear] Mass on the motor's side, seen at the axis
 }
 ask-pair-motor-mass-where = { $axis ->
     [rotary] Rotor and gearbox: inertia x (gear ratio)^2.
-   *[linear] Rotor, screw, gearbox: inertia x (2 pi / lead)^2; moving part of a linear motor.
+   *[linear] Rotor, coupling, screw, gearbox: their inertia at the motor shaft in kg m^2, which lead and gear turn into a mass; moving part of a linear motor: its mass.
 }
-ask-pair-motor-mass-shaft-where = Rotor, coupling, screw, gearbox: their inertia at the motor shaft in kg m^2, which is turned into a mass; or that mass in kg.
 ask-pair-load-mass = { $axis ->
     [rotary] Inertia on the tool's side of the spring
    *[linear] Mass on the tool's side of the spring
@@ -113,9 +106,8 @@ ask-pair-frequency = Eigenfrequency of the load while the motor holds
 ask-pair-frequency-where = Brake or position loop on, tap the load; in a Bode plot of the motor the antiresonance.
 ask-plant-moving-mass-where = { $axis ->
     [rotary] Torque over angular acceleration at low frequencies.
-   *[linear] Force over acceleration at low frequencies.
+   *[linear] Force over acceleration at low frequencies, rotor included; or the whole inertia at the motor shaft in kg m^2.
 }
-ask-plant-moving-mass-shaft-where = Force over acceleration at low frequencies, rotor included: x (2 pi / lead)^2. Or the whole inertia at the motor shaft in kg m^2.
 ask-modes-frequency-empty = no more
 ask-frequency-where = Frequency response from force to acceleration, or a tap with an accelerometer: the peak.
 ask-plant-modes-frequency-held-where = With the motor held: the peak of an accelerometer at the tool (resonances_x.csv), or after a tap.
@@ -129,7 +121,6 @@ ask-wizard-change = Number or key of what is to be changed
 ask-wizard-change-empty = write the profile
 ask-wizard-change-where = A number of the list, or any key of a profile, e.g. drive.max_force; < goes back to the questions.
 ask-wizard-run = Compute the limits now
-ask-wizard-run-where = The same as mtcommission run with this profile; some seconds to a minute.
 
 # Choices, as shown; what is kept is the English one.
 choice-rotary = rotary
@@ -150,9 +141,7 @@ wizard-commands = At every question: ? help, < back, q quit.
 wizard-back = back
 wizard-help = help
 wizard-quit = quit
-wizard-first-question = This is the first question.
 wizard-settled = Not asked, since it has a sound default or can be left out:
-wizard-assumed-mark = { " " }(assumed)
 wizard-no-such-key = got "{ $got }"; type a number of the list or a key of a profile
 # $key, $message: of a fault
 wizard-not-possible = Not possible: { $key }: { $message }
@@ -164,12 +153,7 @@ wizard-interrupted = interrupted
 wizard-replaced = { $file } replaces what was stated before: { $values }
 wizard-taken-as = taken as { $what }
 wizard-follows = = { $what }
-wizard-written = Written: { $file }: { $name }, axis { $letter }
-wizard-compute-with = Compute the limits with: mtcommission run { $file }
-wizard-assumed = Assumed, neither stated nor measured: { $keys }
-wizard-example = Example: { $example }.
 wizard-example-behind = e.g. { $example }
-wizard-expected = Expected: { $what }.
 wizard-leave-out = Enter alone leaves it out; - removes a value given before.
 
 # What is wrong or unusual about a reply.
@@ -190,5 +174,4 @@ insight-rotor-unknown = the { MASS($mass) } must contain the rotor: each kgÂ·cmÂ
 
 # Comments of a profile that the wizard writes.
 document-head = Machine profile for mtcommission; a quantity is a text with a unit, or a number in SI.
-document-check = Check it with: mtcommission check FILE; compute with: mtcommission run FILE.
 document-assumed = Take a key out of assumed as soon as somebody knows its value.
