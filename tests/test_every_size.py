@@ -9,7 +9,7 @@ import pytest
 
 from mtcommission.controls.kind import TWO_AVERAGES
 from mtcommission.limits.bench import build_bench
-from mtcommission.limits.every_size import COARSE, SizeCheck, judge_sizes
+from mtcommission.limits.every_size import CLOSER, SizeCheck, judge_sizes
 from mtcommission.limits.explore import explore
 from mtcommission.limits.judge import simulate_moves
 from mtcommission.limits.requirements import RESIDUAL_DEVIATION, SET_FORCE
@@ -94,7 +94,7 @@ def test_no_size_leaves_more_than_is_bounded(name: str, filter_name: str) -> Non
     needs = replace(machine.requirements, tcp_deviation=seen.value)
     machine = replace(machine, requirements=needs)
     found = check_of(judge_sizes(machine, tuned, limits), RESIDUAL_DEVIATION)
-    assert found.value == pytest.approx(seen.value, rel=COARSE)
+    assert found.value == pytest.approx(seen.value, rel=CLOSER[0][0])
     listed = size_of(machine.moves[0])
     generator = np.random.default_rng(len(name) + len(filter_name))
     sizes = listed * SMALLEST ** generator.uniform(0.0, 1.0, 40)

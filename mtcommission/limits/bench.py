@@ -11,14 +11,21 @@ up most; later ones only grow less. ``limits.every_size`` has the last word.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from math import isfinite
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.limits.requirements import COARSELY, Asked, Mean, Requirement, sort_requirements
+from mtcommission.limits.requirements import (
+    COARSELY,
+    Asked,
+    Mean,
+    Requirement,
+    Swings,
+    sort_requirements,
+)
 from mtcommission.loop.disturbance import EncoderNoise, worst_noise
 from mtcommission.loop.mean_response import MeanResponse, average_phases
 from mtcommission.loop.poles import LoopPoles, find_poles
@@ -35,6 +42,20 @@ Complex = NDArray[np.complex128]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class During:
+    """What is judged together during one listed move."""
+
+    swings: Swings
+    left: Array  # of each bound [own units]
+    move: Move
+
+    def is_far(self, machine: Machine, acceleration: float) -> bool:
+        """Return whether a response need not be looked at, so far is the limit [m/s²]."""
+        most = [each.at_most(machine, acceleration) for each in self.swings.requirements]
+        return bool(np.all(most < self.left))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Bench:
     """A machine whose requirements count as they stand, and its loop, ready for many limits."""
 
@@ -44,7 +65,7 @@ class Bench:
     mean: MeanResponse  # of what is judged after the move
     noise: EncoderNoise  # in the worst corner
     left_after: Array  # what it leaves of each bound on what is judged after the move [own units]
-    left_during: tuple[Array, ...]  # and during it
+    during: list[During]  # what is judged during the move, what asked for most the last time first
     aged: Complex  # what free times beyond the least of a family have left of the mean response
     ramps: Array  # of sizes that do not reach the acceleration [s]
     behind: dict[SetpointFilter | None, Use] = field(default_factory=dict)
@@ -86,7 +107,11 @@ def build_bench(machine: Machine, tuned: TunedLoop) -> Bench:
         mean=mean,
         noise=noise,
         left_after=left(requirement for requirement, _ in asked.after),
-        left_during=tuple(left(swings.requirements) for swings in asked.during),
+        during=[
+            During(swings=swings, left=left(swings.requirements), move=move)
+            for swings in asked.during
+            for move in swings.moves
+        ],
         aged=mean.since(mean.ages),
         # Two ramps are as long as the free time, which counts twice: half-way as well.
         ramps=np.sort(np.concatenate([mean.ages[1:], 0.5 * (mean.ages[:-1] + mean.ages[1:])])),
@@ -252,19 +277,45 @@ class Use:
             bench.excess[requirement.key] = max(excess, 1.0)
         return np.asarray(worst * np.where(worst > NEAR, bench.excess[requirement.key], 1.0))
 
-    def of_rest(self, a: float, t_j: float) -> float:
-        """Return the largest share of what is judged during the move, in some sizes [-]."""
-        bench, used = self.bench, 0.0
+    def of_rest(
+        self, a: float, t_j: float, *, is_enough: Callable[[float], bool] = lambda _: False
+    ) -> float:
+        """Return the largest share of what is judged during the move, in some sizes [-].
+
+        ``is_enough``: of a share from which on more of it need not be known.
+        """
+        bench, used, most = self.bench, 0.0, 0
         shares = np.array(SIZES) if bench.every_size else np.ones(1)
-        for swings, left in zip(bench.asked.during, bench.left_during, strict=True):
-            # Far from the limit a response need not be looked at.
-            most = [requirement.at_most(bench.machine, a) for requirement in swings.requirements]
-            if np.all(most < left):
+        for k, one in enumerate(bench.during):
+            if one.is_far(bench.machine, a):
                 continue
-            for move in swings.moves:
-                steps = filter_steps(self._sizes(move, shares, a, t_j), self.item)
-                worst = swings.largest(bench.poles, steps)
-                used = max(used, float((worst / left).max()))
+            steps = filter_steps(self._sizes(one.move, shares, a, t_j), self.item)
+            share = float((one.swings.largest(bench.poles, steps) / one.left).max())
+            if share > used:
+                used, most = share, k
+            if is_enough(used):
+                break
+        bench.during.insert(0, bench.during.pop(most))
+        return used
+
+    def of_rise(self, a: Array, t_j: Array) -> Array:
+        """Return the share of the same that the rise of the acceleration uses, shape of ``a``.
+
+        No less is used however the moves go on; nor, in proportion, with less acceleration: it
+        then rises no shorter.
+        """
+        bench, used = self.bench, np.zeros_like(a)
+        late = self.item.duration if self.item else 0.0
+        for one in bench.during:
+            if one.is_far(bench.machine, float(a.max())):
+                continue
+            steps = jerk_steps(one.move, acceleration=a, jerk=a / t_j)
+            ramp, until = steps.times[:, 1:2], steps.times[:, 2:3]
+            times = np.hstack([ramp, ramp + 0.5 * late, ramp + late + bench.mean.ages[::SPARSE]])
+            rise = JerkSteps(times=steps.times[:, :2], steps=steps.steps[:, :2])
+            steps = filter_steps(rise, self.item)
+            share = one.swings.at(bench.poles, steps, np.minimum(times, until)) / one.left
+            used = np.maximum(used, share.max(axis=1))
         return used
 
     def _sizes(self, move: Move, shares: Array, a: float, t_j: float) -> JerkSteps:
@@ -297,6 +348,10 @@ SIZES = (0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
 """Sizes of a move at which swings are looked at, beside where a is reached
 (empirical)."""
 
+
+SPARSE = 4
+"""Of the ages that meet every swing, one in so many is enough to see what a rise uses at least
+(empirical)."""
 
 LIKELY = 0.7
 """Share of the worst mean over all phases from which a size may be the worst at its own (empirical:

@@ -23,7 +23,13 @@ from math import ceil, inf, isfinite, nan, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.limits.requirements import Mean, Requirement, Swings, sort_requirements
+from mtcommission.limits.requirements import (
+    Mean,
+    Requirement,
+    Swings,
+    requirements_of,
+    sort_requirements,
+)
 from mtcommission.loop.disturbance import EncoderNoise, encoder_noise, worst_noise
 from mtcommission.loop.poles import LoopPoles, find_poles
 from mtcommission.loop.respond import (
@@ -43,10 +49,11 @@ from mtcommission.setpoint.setpoint import JerkSteps, filter_steps
 from mtcommission.setpoint.smaller_moves import lay_sizes, plan_sizes, size_of
 
 Array = NDArray[np.float64]
+Places = NDArray[np.int64]
 
-COARSE, UNPROVED = 0.25, 0.005
-"""Share of a bound by which a size between two that were looked at may exceed both [-]: at first,
-and where that first look is near it."""
+CLOSER = ((0.25, 8.0), (0.035, 3.0), (0.005, 1.0))
+"""Shares of a bound by which a size between two that were looked at may exceed both [-]: at first,
+and ever closer where it may be the worst; and by how much coarser they may be laid at most."""
 
 LEFT = 1.3
 """Bounds that, left at a first look, need no second one [-]."""
@@ -100,8 +107,8 @@ def judge_sizes(
     """Return the worst of all sizes that count, for each requirement but the settling time.
 
     Of each smaller move and the listed one, or of the listed one alone; encoder noise included.
-    What counts from t_e + τ on comes first; ``only_if_kept``: the rest is looked at only if no size
-    may leave that.
+    What counts during the move comes first, of which few sizes are looked at; ``only_if_kept``: the
+    rest is looked at only if they keep that.
     """
     resolution, asked = machine.drive.encoder_resolution, sort_requirements(machine, tuned.plant)
     sizes = _Sizes(
@@ -111,21 +118,18 @@ def judge_sizes(
         corners=tuned.corners,
         noises=tuple(encoder_noise(loop, resolution=resolution) for loop in tuned.loops),
     )
-    checks = [
-        sizes.worst_after(place, requirement, signal)
-        for requirement, signal in asked.after
-        for place in range(len(machine.moves))
-    ]
+    places, checks = range(len(machine.moves)), list[SizeCheck]()
+    for place in places:
+        for swings in asked.during:
+            checks += sizes.worst_during(place, swings)
+        checks += [sizes.worst_mean(place, *item) for item in asked.means]
     if not only_if_kept or all(one.share(machine) <= 1.0 for one in checks):
-        for place in range(len(machine.moves)):
-            for swings in asked.during:
-                checks += sizes.worst_during(place, swings)
-            checks += [sizes.worst_mean(place, *item) for item in asked.means]
-    order = {item.requirement: None for item in checks}
-    return tuple(
-        max((item for item in checks if item.requirement == name), key=lambda item: item.value)
-        for name in order
-    )
+        checks += [sizes.worst_after(place, *item) for item in asked.after for place in places]
+    by_requirement = [
+        [check for check in checks if check.requirement == requirement]
+        for requirement in requirements_of(machine)
+    ]
+    return tuple(max(own, key=lambda check: check.value) for own in by_requirement if own)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -146,7 +150,8 @@ class _Sizes:
             value, corner = found
         else:
             size = size_of(move)
-            value, _, corner = self._worst_of(move, np.array([size]), signal)
+            left, corners = self._left_of(move, np.array([size]), signal)
+            value, corner = float(left[0]), int(corners[0])
         noise = worst_noise(self.poles.loops, self.machine.drive.encoder_resolution)
         value, bound = requirement.with_noise(np.array([value, value + between]), noise).tolist()
         return SizeCheck(
@@ -173,19 +178,19 @@ class _Sizes:
         families = bound_between(poles, limits, move, signal)
         smooth = [replace(one, kink=0.0, jump=0.0) for one in families]
         least = limits.jerk_time / MOST_SIZES, seen / MOST_SIZES
-        allowed = requirement.bound(self.machine)
-        # Where much more than that is left, it need not be known more closely than in proportion.
-        for share in (COARSE, UNPROVED):
+        allowed, excess = requirement.bound(self.machine), inf
+        sizes, left, corners = np.zeros(0), np.zeros(0), np.zeros(0, np.int64)
+        for share, coarser in CLOSER:
             between = list(families)
             close = [one.spacing(share * allowed) for one in between]
             is_open = families[0].jump > 0.0 or any(
                 h < low for h, low in zip(close, least, strict=True)
             )
-            is_cut = is_open and seen / poles.dt < MOST_SIZES
+            is_cut = coarser == 1.0 and is_open and seen / poles.dt < MOST_SIZES
             if is_cut:
                 between, close = smooth, [one.spacing(share * allowed) for one in smooth]
-            spacings = np.maximum(close, least)
-            sizes = lay_sizes(
+            spacings = np.maximum(close, coarser * np.array(least))
+            laid = lay_sizes(
                 move,
                 limits,
                 pointed_spacing=spacings[0],
@@ -193,23 +198,32 @@ class _Sizes:
                 decayed=seen,
                 cycle=poles.dt if is_cut else 0.0,
             )
-            value, worst, corner = self._worst_of(move, sizes, signal)
-            if value > LEFT * allowed:
+            # Between two sizes where none can be the worst nothing more is looked at.
+            may_be = np.maximum(left[:-1], left[1:]) + excess > left.max(initial=0.0)
+            is_there = np.concatenate([[True], may_be, [True]])[: len(sizes) + 1]
+            more = laid[is_there[np.searchsorted(sizes, laid)] & ~np.isin(laid, sizes)]
+            found = self._left_of(move, more, signal)
+            order = np.argsort(np.concatenate([sizes, more]))
+            sizes, left, corners = (
+                np.concatenate(both)[order]
+                for both in zip((sizes, left, corners), (more, *found), strict=True)
+            )
+            excess = max(item.excess(h) for item, h in zip(between, spacings, strict=True))
+            if left.max() > LEFT * allowed:
                 break
-            allowed = max(allowed, value)
-        excess = max(item.excess(h) for item, h in zip(between, spacings, strict=True))
-        return float(sizes[worst]), (value, corner), excess
+            allowed = max(allowed, float(left.max()))
+        worst = int(left.argmax())
+        return float(sizes[worst]), (float(left[worst]), int(corners[worst])), excess
 
-    def _worst_of(self, move: Move, sizes: Array, signal: Signal) -> tuple[float, int, int]:
-        """What is left at most [own unit], and its place among the sizes and corners."""
+    def _left_of(self, move: Move, sizes: Array, signal: Signal) -> tuple[Array, Places]:
+        """What is left of each size in its worst corner [own unit], and which that is."""
         steps, poles = plan_sizes(move, sizes, self.limits), self.poles
-        grid, worst = lay_grid(poles, SAMPLES), (-1.0, 0, 0)
+        grid, found = lay_grid(poles, SAMPLES), []
         for start in range(0, len(sizes), TOGETHER):
-            part = slice(start, start + TOGETHER)
-            left = free_motion(set_in_motion(poles, steps.only(part)), grid, signal=signal).residual
-            row, column = divmod(int(left.argmax()), left.shape[1])
-            worst = max(worst, (float(left[row, column]), start + row, column))
-        return worst
+            part = steps.only(slice(start, start + TOGETHER))
+            found.append(free_motion(set_in_motion(poles, part), grid, signal=signal).residual)
+        left = np.concatenate(found) if found else np.zeros((0, len(poles.loops)))
+        return left.max(axis=1), left.argmax(axis=1)
 
     def worst_during(self, place: int, swings: Swings) -> list[SizeCheck]:
         """Return the worst of swings looked at together, of some sizes."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from heapq import heapify, heappop, heappush
 from itertools import islice
 from math import inf
 
@@ -139,6 +140,7 @@ class _Explorer:
     is_rough: bool  # what is above a bound is taken in proportion
     known: dict[Place, Found | None] = field(default_factory=dict)
     hoped: dict[Place, Found] = field(default_factory=dict)  # by quick looks
+    followed: set[Place] = field(default_factory=set)  # whose rise was followed
     rests: dict[SetpointFilter | None, dict[float, float]] = field(default_factory=dict)
     """Use of force and peaks per acceleration, behind each filter, by the jerk time [s²/m]."""
 
@@ -202,11 +204,17 @@ class _Explorer:
     def _settle_first(self, places: list[Place], latest: float) -> Found | None:
         """The best of some places: no other hope is as soon."""
         best: Found | None = None
-        for place in places:
-            if self.hoped[place].duration > latest:
-                break
+        queue = [(self.hoped[place].duration, i) for i, place in enumerate(places)]
+        heapify(queue)
+        while queue and queue[0][0] <= latest:
+            time, i = heappop(queue)
+            place = places[i]
             hope = self._capped(place)
-            if hope.duration > latest:
+            if hope.duration <= time and place not in self.followed:
+                self._follow_rises(place[0], latest)
+                hope = self._capped(place)
+            if hope.duration > time:
+                heappush(queue, (hope.duration, i))
                 continue
             found = self.known[place] = self._settle(*place, hope.acceleration, latest)
             if found is not None and found.duration <= latest:
@@ -286,11 +294,38 @@ class _Explorer:
             a, share = less, after
         return a
 
-    def _rest(self, use: Use, a: float, t_j: float) -> float:
-        """Share of force and peaks."""
-        used, own = max(use.of_rest(a, t_j), CLOSE), self.rests.setdefault(use.item, {})
+    def _rest(self, use: Use, a: float, t_j: float, latest: float) -> float:
+        """Share of force and peaks, as far as what keeps it may be soon enough."""
+
+        def is_late(used: float) -> bool:
+            return used > 1.0 and self._duration((use.item, t_j), a / used) > latest
+
+        used = max(use.of_rest(a, t_j, is_enough=is_late), CLOSE)
+        own = self.rests.setdefault(use.item, {})
         own[t_j] = max(own.get(t_j, 0.0), used / a)
         return used
+
+    def _follow_rises(self, item: SetpointFilter | None, latest: float) -> None:
+        """Note what the rise of the acceleration asks for, wherever a filter may be soon enough.
+
+        With less acceleration it lasts longer, and asks for no less in proportion: as often as that
+        tells more.
+        """
+        use = self.bench.use(item)
+        hopes = [self._capped(p) for p in self.hoped if p[0] == item and p not in self.followed]
+        hopes = [hope for hope in hopes if hope.duration <= latest]
+        a = np.array([hope.acceleration for hope in hopes])
+        t_j, own = np.array([hope.jerk_time for hope in hopes]), self.rests.setdefault(item, {})
+        used, more = np.zeros_like(a), np.arange(len(a))
+        while len(more):
+            used[more] = np.maximum(use.of_rise(a[more], t_j[more]), CLOSE) / a[more]
+            less = np.minimum(a, 1.0 / used)
+            is_less = less < (1.0 - NEARLY) * a
+            more = np.flatnonzero(is_less & (self.bench.durations(item, less, t_j) <= latest))
+            a = less
+        for t, each in zip(t_j.tolist(), used.tolist(), strict=True):
+            own[t] = max(own.get(t, 0.0), each)
+            self.followed.add((item, t))
 
     def _capped(self, place: Place) -> Found:
         """What was hoped for, with the force that it asks for: longer ramps ask for less."""
@@ -327,7 +362,9 @@ class _Explorer:
                 a = FALLING[-1] * a / max(float(share.min(initial=2.0)), 1.0)
                 continue
             a = float(kept[0])
-            rest = self._rest(use, a, t_j)
+            rest = self._rest(use, a, t_j, inf if best else latest)
+            if best is None and self._duration((item, t_j), a / max(rest, 1.0)) > latest:
+                break
             if not exact:
                 exact = use.of_after_exactly(a, t_j) / a
             rest = max(rest, exact * a)

@@ -377,6 +377,16 @@ class Swings:
         found = extremes(motions, grid, self.rows, parts=parts, less=self.less)
         return np.asarray(found.max(axis=1))
 
+    def at(self, poles: LoopPoles, steps: JerkSteps, times: Array) -> Array:
+        """Return the largest magnitudes at some times of each, (n_setpoints, n_requirements).
+
+        ``times``: shape (n_setpoints, n_times) [s].
+        """
+        own, parts = self.where_to_look(poles)
+        n, motions = (times / own.dt).astype(np.int64), set_in_motion(own, steps)
+        found = outputs_at(motions, n, self.rows, parts=parts, less=self.less)
+        return np.asarray(np.abs(found).max(axis=(1, 2, 3)))
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Asked:

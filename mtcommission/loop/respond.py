@@ -129,28 +129,50 @@ def _seen(state: Complex, shapes: Array, *, out: Array | None = None) -> Array:
     return np.asarray(np.matmul(parts, shapes, out=out))
 
 
-def outputs_at(motions: Motions, n: Cycles, rows: Array) -> Array:
+def outputs_at(
+    motions: Motions,
+    n: Cycles,
+    rows: Array,
+    *,
+    parts: Cycles | None = None,
+    less: int | None = None,
+) -> Array:
     """Return signals in some position cycles of each setpoint.
 
     ``n``: shape (n_setpoints, n_times); ``rows``: over the outputs of a velocity cycle, shape
-    (n_rows, n_outputs). Result: (n_setpoints, n_corners, n_times, cycles, n_rows).
+    (n_rows, n_outputs), less the same derivative of the delayed setpoint, see ``Signal``;
+    ``parts``: which velocity cycles, None: all. Result: (n_setpoints, n_corners, n_times, n_parts,
+    n_rows).
     """
     setpoint = np.repeat(np.arange(len(n)), n.shape[1])
-    parts = np.arange(motions.poles.cycles)
-    found = _signals_at(motions, motions.pieces, setpoint, n.ravel(), np.atleast_2d(rows), parts)
+    own = np.arange(motions.poles.cycles) if parts is None else parts
+    found = _signals_at(
+        motions, motions.pieces, setpoint, n.ravel(), np.atleast_2d(rows), own, less
+    )
     return np.moveaxis(found.reshape(*n.shape, *found.shape[1:]), 2, 1)
 
 
 def _signals_at(
-    motions: Motions, pieces: Pieces, setpoint: Cycles, n: Cycles, rows: Array, parts: Cycles
+    motions: Motions,
+    pieces: Pieces,
+    setpoint: Cycles,
+    n: Cycles,
+    rows: Array,
+    parts: Cycles,
+    less: int | None,
 ) -> Array:
     """Signals of some setpoints at some cycles, (n_times, n_corners, n_parts, n_rows)."""
     q, t = motions.steps.order, np.asarray(n * motions.poles.dt)
     x = pieces.sample(t, derivatives=q + 1, setpoint=setpoint)
     view = _look(motions.poles, rows, tuple(parts.tolist()), q)
     age = n[:, None] - motions.first[setpoint]
-    found = _transients(motions, view, setpoint, age, age >= 0)
-    return (found + x.T @ view.steady).reshape(len(n), len(motions.poles.loops), len(parts), -1)
+    found = _transients(motions, view, setpoint, age, age >= 0) + x.T @ view.steady
+    found = found.reshape(len(n), len(motions.poles.loops), len(parts), -1)
+    if less is not None:
+        seen = t[:, None] + motions.poles.velocity_cycle * parts - motions.poles.delay
+        wanted = _wanted(pieces, np.repeat(setpoint, len(parts)), seen, less)
+        found -= wanted[:, None, :, None]
+    return np.asarray(found)
 
 
 def _transients(
@@ -451,10 +473,7 @@ def _near_steps(
     own = np.concatenate([begun < gaps[..., None], later >= poles.recent], axis=2)
     setpoint, _, _ = np.nonzero(own)
     at = (first[:, :, None] + ages)[own]
-    found = _signals_at(motions, pieces, setpoint, at, rows, parts)
-    if less is not None:
-        t = at[:, None] * poles.dt + poles.velocity_cycle * parts - poles.delay
-        found -= _wanted(pieces, np.repeat(setpoint, len(parts)), t, less)[:, None, :, None]
+    found = _signals_at(motions, pieces, setpoint, at, rows, parts, less)
     largest = np.zeros((len(first), *found.shape[1:]))
     begins = np.flatnonzero(np.diff(setpoint, prepend=-1))
     largest[setpoint[begins]] = np.maximum.reduceat(np.abs(found), begins, axis=0)
