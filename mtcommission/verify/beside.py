@@ -19,10 +19,8 @@ from numpy.typing import NDArray
 from mtcommission.identify.damped import FreeMode, fit_damped, regress, weigh
 from mtcommission.identify.measurement import Array, Channel
 from mtcommission.machine.identified import Estimate
-from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.setpoint.setpoint import Setpoint
 from mtcommission.verify.prediction import ENCODER, FORCE, TOOL, Prediction, Rebuilt, predict
-from mtcommission.verify.setpoint import Motion, find_start, number_of, planned
+from mtcommission.verify.setpoint import Motion
 from mtcommission.verify.trace import Role, Trace, resolution
 
 REST = 0.1
@@ -76,10 +74,6 @@ class Recorded:
 
     trace: Trace
     motion: Motion
-    number: int  # which of the record's moves it is, from 1; 0 for none
-    setpoint: Setpoint | None  # what the control should have sent; None: it cannot be planned
-    begin: float  # when that began, before the record shows it [s]
-    begin_error: float  # [s]
     rest: float  # when the tool should rest, or coast [s]
     prediction: Prediction  # what the loop makes of the recorded setpoint
     shift: float  # by which the position comes later than predicted [s]
@@ -88,15 +82,18 @@ class Recorded:
     beside: tuple[Beside, ...]
     modes: tuple[FreeMode | None, ...]  # vibration in the dwell of each mode; None: not seen
 
+    @property
+    def number(self) -> int:
+        """Which of the record's moves it is, from 1; 0 for none."""
+        return self.motion.number
+
     def find(self, role: Role) -> Beside | None:
         """Return one signal; None if it was not recorded."""
         return next((one for one in self.beside if one.role is role), None)
 
 
-def lay_out(rebuilt: Rebuilt, entered: MotionLimits, trace: Trace, motion: Motion) -> Recorded:
+def lay_out(rebuilt: Rebuilt, trace: Trace, motion: Motion) -> Recorded:
     """Return a recorded move beside its prediction."""
-    moves = rebuilt.machine.moves
-    number = number_of(motion, moves, entered)
     prediction = predict(rebuilt, motion)
     beside = tuple(_lay_beside(rebuilt, trace, motion, prediction, shift=0.0))
     shift, error = 0.0, inf
@@ -105,10 +102,7 @@ def lay_out(rebuilt: Rebuilt, entered: MotionLimits, trace: Trace, motion: Motio
     applied = shift if abs(shift) <= allowed_shift(rebuilt, trace) else 0.0
     if applied:
         beside = tuple(_lay_beside(rebuilt, trace, motion, prediction, shift=applied))
-    plan = planned(motion, moves[number - 1] if number else None, entered)
-    begin, begin_error = find_start(motion, plan)
-    end = max(motion.end, begin + plan.duration) if plan else motion.end
-    rest = end + rebuilt.controller.reference_delay + applied
+    rest = motion.end + rebuilt.controller.reference_delay + applied
     modes: tuple[FreeMode | None, ...] = tuple(None for _ in rebuilt.plant.modes)
     for one in beside:
         if one.role is Role.FORCE or motion.is_cut or any(modes):
@@ -127,10 +121,6 @@ def lay_out(rebuilt: Rebuilt, entered: MotionLimits, trace: Trace, motion: Motio
     return Recorded(
         trace=trace,
         motion=motion,
-        number=number,
-        setpoint=plan,
-        begin=begin,
-        begin_error=begin_error,
         rest=rest,
         prediction=prediction,
         shift=shift,

@@ -45,7 +45,7 @@ def check_recorded(
     units, cut = rebuilt.machine.axis_units, Message("verify-cut")
     is_cut = recorded.motion.is_cut
     # Of a move that goes on nobody knows the plan: it reaches less than the whole one.
-    plan = None if is_cut else recorded.setpoint
+    plan = None if is_cut else recorded.motion.plan
     is_known = recorded.number > 0
     planner = check_planner(recorded.motion, plan, entered, units, is_known=is_known)
     if is_cut:
@@ -83,7 +83,9 @@ class _Promises:
         move = self.record.moves[self.number - 1]
         times = [entry.settling_time for entry in (move.response, *move.corners)]
         slowest = max((time for time in times if time is not None), default=inf)
-        return slowest + 2.0 * self.recorded.motion.blur
+        # Nobody knows whether the axis is late, or its column.
+        late = max(self.recorded.applied_shift, 0.0)
+        return slowest + late + 2.0 * self.recorded.motion.blur
 
     @property
     def hidden_mode(self) -> str:
@@ -117,8 +119,8 @@ class _Promises:
         row = partial(judged, move=self.number)
         settled = partial(self._settling, one, one.deviation)
         settling, earliest, latest = map(settled, (band, band + noise, band - slack))
-        off = max(settling - earliest, latest - settling, one.step) + recorded.begin_error
-        earliest, latest = earliest - recorded.begin_error, latest + recorded.begin_error
+        off = max(settling - earliest, latest - settling, one.step) + motion.blur
+        earliest, latest = earliest - motion.blur, latest + motion.blur
         checks = [
             row(
                 "settling time",
@@ -164,7 +166,7 @@ class _Promises:
         if limit <= 0.0 or (outside.size and outside[-1] == after.sum() - 1):
             return inf
         settled = float(one.t[after][outside[-1] + 1]) if outside.size else self.recorded.rest
-        return settled - self.recorded.begin
+        return settled - self.recorded.motion.begin
 
     def _doubt(self, one: Beside, band: float, noise: float) -> Message | None:
         """What forbids to say that the band is kept; None: nothing."""

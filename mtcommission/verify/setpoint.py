@@ -7,7 +7,7 @@ never exceed the true largest value, whatever the planner does between.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import ceil, inf, sqrt
 
@@ -63,7 +63,10 @@ class Reached:
 class Motion:
     """A stretch of the setpoint from rest to the next move."""
 
-    begin: float  # first sample that moves [s]
+    number: int  # which of the record's moves it is, from 1; 0 for none
+    plan: Setpoint | None  # what the control should have sent; None: it cannot be planned
+    is_planned: bool  # whether it sent that, as far as can be seen
+    begin: float  # of the setpoint, before the record shows it [s]
     end: float  # from which the setpoint rests (or coasts) [s]
     until: float  # end of the dwell (of the coasting) [s]
     coasts: bool  # whether it ends at a constant velocity instead of rest
@@ -71,7 +74,7 @@ class Motion:
     velocity: Reached
     acceleration: Reached
     jerk: Reached
-    blur: float  # by which begin and end may be off: the first steps are too small to see [s]
+    blur: float  # by which begin and end may be off [s]
     seen: float  # first sample that stands out of noise and resolution [s]
     seen_travel: float  # to it, its magnitude [m]
     seen_error: float  # of that, two standard deviations [m]
@@ -80,8 +83,15 @@ class Motion:
     final_velocity: float  # [m/s]
     spline: BSpline  # the setpoint between, smoothed as its resolution demands
 
+    @property
+    def way(self) -> float:
+        """1 where it moves forwards, -1 backwards."""
+        return -1.0 if self.travel < 0.0 else 1.0
+
     def sample(self, t: Array) -> Array:
         """Return x_ref, v_ref, a_ref, j_ref relative to the start, shape (n, 4)."""
+        if self.plan and self.is_planned:
+            return self.way * sample_setpoint(self.plan, t - self.begin)
         inside = (t > self.begin) & (t < self.end)
         clipped = np.clip(t, self.begin, self.end)
         rows = np.column_stack([self.spline(clipped, nu=order) for order in range(4)])
@@ -94,22 +104,18 @@ class Motion:
 
 
 def find_motions(
-    channel: Channel,
-    *,
-    acceleration: float,
-    jerk: float,
-    ends: Sequence[bool],
-    is_known: Callable[[Motion], bool],
+    channel: Channel, moves: tuple[Move, ...], entered: MotionLimits
 ) -> tuple[list[Motion], bool]:
     """Return the moves of a setpoint, and whether the record begins in the middle of one.
 
-    ``ends``: whether a move may coast at its end, or rest; of both, the one that is known.
+    ``moves``: those of the record, ``entered``: the limits in the control.
     """
     setpoint = _without_holds(channel)
     x, h = setpoint.values, setpoint.step
     noise = max(_noise(x), channel.error)
     pairs = list(runs(_moving(x, h, noise)))
     begins_moving = bool(pairs) and pairs[0][0] == 0
+    ends = sorted({isinstance(move, VelocityStep) for move in moves})
     found = []
     for place, (first, last) in enumerate(pairs):
         if first == 0:
@@ -121,8 +127,13 @@ def find_motions(
         own = _Stretch(
             x[before:following], h, float(setpoint.t[before]), first - before, last - before, noise
         )
-        either = [own.motion(acceleration, jerk, coasting=coasting) for coasting in ends]
-        found.append(next(filter(is_known, either), either[0]))
+        # A move may coast at its end, or rest; of both, the one that is known.
+        either = [own.motion(entered, coasting=coasting) for coasting in ends]
+        numbers = [number_of(motion, moves, entered) for motion in either]
+        number = max(numbers)
+        motion = either[numbers.index(number)]
+        plan = planned(motion, moves[number - 1] if number else None, entered)
+        found.append(own.placed(replace(motion, number=number, plan=plan)))
     return found, begins_moving
 
 
@@ -186,8 +197,12 @@ class _Stretch:
     last: int  # sample behind them
     noise: float
 
-    def motion(self, acceleration: float, jerk: float, *, coasting: bool) -> Motion:
-        x, h = self.x, self.h
+    @property
+    def t(self) -> Array:
+        return np.asarray(self.origin + self.h * np.arange(self.x.size, dtype=np.float64))
+
+    def motion(self, entered: MotionLimits, *, coasting: bool) -> Motion:
+        x, h, t = self.x, self.h, self.t
         level = CALM * self.noise
         start = float(np.median(x[: self.first]))
         off = np.flatnonzero(np.abs(x - start) > level)
@@ -206,25 +221,38 @@ class _Stretch:
             away = np.flatnonzero(np.abs(x - goal) > level)
             last = min(int(away[-1]) + 1, x.size - 1) if away.size else last
         last = max(last, begin)
-        part = slice(max(begin - 8, 0), min(last + 9, x.size))
+        more = LEAST_SAMPLES + (last - begin) // 8  # in which it moves unseen
+        part = slice(max(begin - more, 0), min(last + more, x.size))
         reached = [
             self._reached_by_filter(order, part, limit=limit)
-            for order, limit in ((2, acceleration), (3, jerk))
+            for order, limit in ((2, entered.acceleration), (3, entered.jerk))
         ]
-        blur = (6.0 * level / max(reached[1].value, 1e-300)) ** (1.0 / 3.0)
-        blur = min(blur, 0.25 * h * (last - begin))
-        t: Array = self.origin + h * np.arange(x.size, dtype=np.float64)
-        begin_t = min(max(t[begin] - blur + h, t[0]), t[begin] + h)
-        end_t = max(min(t[last] + blur - h, t[until]), t[last] - h)
         spline = _smooth(t[part], x[part], self.noise)
         return Motion(
-            begin=float(begin_t), end=float(end_t), until=float(t[until]), coasts=speed != 0.0,
-            travel=(float(spline(end_t)) if speed else goal) - start, velocity=velocity,
-            acceleration=reached[0], jerk=reached[1], blur=blur + h, seen=float(t[seen]),
+            number=0, plan=None, is_planned=False, begin=float(t[begin]), end=float(t[last]),
+            until=float(t[until]), coasts=speed != 0.0,
+            travel=(float(spline(t[last])) if speed else goal) - start, velocity=velocity,
+            acceleration=reached[0], jerk=reached[1], blur=h, seen=float(t[seen]),
             seen_travel=abs(float(x[seen]) - start), seen_error=2.0 * self.noise, is_cut=is_cut,
-            start=start,
-            final_velocity=speed, spline=spline,
+            start=start, final_velocity=speed, spline=spline,
         )  # fmt: skip
+
+    def placed(self, motion: Motion) -> Motion:
+        """The move where its plan begins and ends, which says more than digits that are lost."""
+        plan = motion.plan
+        if plan is None:
+            return motion
+        begin, blur = find_start(motion, plan)
+        end = motion.end if motion.is_cut else max(motion.end, begin + plan.duration)
+        motion = replace(motion, begin=begin, blur=blur, end=end)
+        told = motion.way * sample_setpoint(plan, self.t - begin)
+        missed, speed = self.x - motion.start - told[:, 0], told[:, 1]
+        # Between two samples: by all of them.
+        exact = begin - float(speed @ missed) / float(speed @ speed)
+        off = self.x - motion.start - motion.way * sample_setpoint(plan, self.t - exact)[:, 0]
+        if motion.is_cut or np.abs(off).max() > CALM * self.noise:
+            return motion
+        return replace(motion, begin=exact, end=exact + plan.duration, is_planned=True)
 
     def _reached_by_filter(self, order: int, part: slice, *, limit: float) -> Reached:
         """The same where a filter leaves little of the limit."""
@@ -335,14 +363,12 @@ def planned(motion: Motion, move: Move | None, entered: MotionLimits) -> Setpoin
         return None
 
 
-def find_start(motion: Motion, plan: Setpoint | None) -> tuple[float, float]:
+def find_start(motion: Motion, plan: Setpoint) -> tuple[float, float]:
     """Return when a move began, and by how much that may be off [s].
 
     A filtered setpoint starts so slowly that its first milliseconds are below the resolution of a
     record: the plan tells how long it took to the first sample that shows it.
     """
-    if plan is None:
-        return motion.begin, motion.blur
     t = plan.duration * np.append(0.0, np.geomspace(1e-6, 1.0, START_SAMPLES))
     x, error = sample_setpoint(plan, t)[:, 0], motion.seen_error
     low, taken, high = np.interp(motion.seen_travel + np.array([-error, 0.0, error]), x, t)

@@ -10,7 +10,6 @@ import numpy as np
 
 from mtcommission.base.messages.message import Message
 from mtcommission.identify.measurement import refuse
-from mtcommission.machine.moves import VelocityStep
 from mtcommission.record.read_back import read_limits
 from mtcommission.record.record import Record
 from mtcommission.setpoint.motion_limits import MotionLimits
@@ -18,7 +17,7 @@ from mtcommission.verify.beside import Recorded, lay_out, unexplained
 from mtcommission.verify.checks import Check, Verdict, judge_all, what_of, worst
 from mtcommission.verify.prediction import Rebuilt, rebuild
 from mtcommission.verify.promises import check_recorded
-from mtcommission.verify.setpoint import find_motions, number_of
+from mtcommission.verify.setpoint import find_motions
 from mtcommission.verify.trace import Role, Trace
 
 MOST_MOTIONS = 40
@@ -201,17 +200,10 @@ def _moves_of(
     rebuilt: Rebuilt, entered: MotionLimits, trace: Trace
 ) -> tuple[list[Recorded], list[Message]]:
     """The moves of a trace that begin at rest, as the record's moves end."""
-    moves, warnings = rebuilt.machine.moves, []
-    setpoint = trace.setpoint
+    setpoint, warnings = trace.setpoint, list[Message]()
     if trace.is_delayed:
         setpoint = replace(setpoint, start=setpoint.start - rebuilt.controller.reference_delay)
-    found, begins_moving = find_motions(
-        setpoint,
-        acceleration=entered.acceleration,
-        jerk=entered.jerk,
-        ends=sorted({isinstance(move, VelocityStep) for move in moves}),
-        is_known=lambda motion: number_of(motion, moves, entered) > 0,
-    )
+    found, begins_moving = find_motions(setpoint, rebuilt.machine.moves, entered)
     if begins_moving:
         warnings.append(Message("verify-begins-moving", file=trace.file))
     whole = [
@@ -221,7 +213,7 @@ def _moves_of(
     ]
     if lost := len(found) - len(whole):
         warnings.append(Message("verify-moves-with-gaps", count=lost, file=trace.file))
-    return [lay_out(rebuilt, entered, trace, motion) for motion in whole], warnings
+    return [lay_out(rebuilt, trace, motion) for motion in whole], warnings
 
 
 def _middle_shift(recorded: Sequence[Recorded]) -> float | None:
