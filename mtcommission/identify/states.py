@@ -144,8 +144,8 @@ def is_assumed(why: Message, states: int) -> bool:
 
     That is the floor where one state alone was measured, or a damping that hardly shows.
     """
-    floors = ("identify-frequency-floor", "identify-damping-floor")
-    return why.kind == "identify-damping-unknown" or (states <= 1 and why.kind in floors)
+    is_floor = states <= 1 and why.kind == "identify-floor"
+    return is_floor or why.kind == "identify-damping-unknown"
 
 
 def states_differ(states: Sequence[MeasuredStateEntry], modes: Sequence[MeasuredMode]) -> bool:

@@ -274,7 +274,7 @@ def changes(part: IdentifiedPart, record: Record, words: Catalogue) -> tuple[str
             found.append(text("identified-not-in-profile", mode=mode.name))
             continue
         for kind, unit, measured, value in (
-            ("frequency", "Hz", mode.frequency_hz, now.frequency_hz),
+            ("name-frequency", "Hz", mode.frequency_hz, now.frequency_hz),
             ("name-damping-ratio", "", mode.damping_ratio, now.damping_ratio),
         ):
             if abs(value - measured.value) > CHANGED * abs(measured.value):
