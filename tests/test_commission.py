@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import json
+from copy import deepcopy
 from dataclasses import replace
 from math import ceil
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -17,60 +16,49 @@ from mtcommission.base.messages.message import Message
 from mtcommission.cli.compute import ROWS_BELOW
 from mtcommission.cli.limits_view import OF_LOOP, ROWS, describe_limits
 from mtcommission.cli.terminal import fold
-from mtcommission.commission.commission import Commissioning, commission
 from mtcommission.machine.machine import Motion
-from mtcommission.machine.profile.read import parse_profile, read_profile
-from mtcommission.record.limits import limits_answer
-from mtcommission.record.machine import Profile
-from mtcommission.record.record import Record, build_record, load_record
-from mtcommission.record.shape import dump_json
-from tests.independent_loop import Run, judge, profile_of_record, simulate_record
-
-PROFILES = sorted((Path(__file__).parent.parent / "profiles").glob("*.toml"))
-
-
-@pytest.fixture(scope="module", params=PROFILES, ids=lambda path: path.stem)
-def path(request: pytest.FixtureRequest) -> Path:
-    return Path(request.param)
+from mtcommission.machine.profile.read import parse_profile
+from mtcommission.machine.profile.shipped import read_shipped, shipped_names
+from mtcommission.record.limits import LimitsAnswer
+from mtcommission.record.record import Record, load_record
+from mtcommission.record.shape import dump_json, to_entry
+from tests.recorded_loop import Motion as Seen
+from tests.recorded_loop import judge_record, setpoint_of, simulate_record
+from tests.sheet_record import Json, run_of
 
 
-@pytest.fixture(scope="module")
-def found(path: Path) -> Commissioning:
-    return commission(read_profile(path))
+@pytest.fixture(scope="module", params=shipped_names())
+def ran(request: pytest.FixtureRequest) -> tuple[Json, Json]:
+    """The record of an example machine, and what ``limits`` prints of it."""
+    return run_of(read_shipped(request.param).text)
 
 
 @pytest.fixture(scope="module")
-def record(found: Commissioning, path: Path) -> Record:
-    return build_record(
-        found,
-        profile=Profile(name="p.toml", sha256="0" * 64, text=path.read_text("utf-8")),
-        created="2026-01-01T00:00:00+00:00",
-        warnings=[],
-    )
+def record(ran: tuple[Json, Json]) -> Record:
+    record: Record = to_entry(ran[0], Record)
+    return record
 
 
-def test_every_shipped_profile_meets_its_requirements(found: Commissioning) -> None:
-    """A shipped example that fails would teach users that a red verdict is normal."""
-    assert found.assessment.is_met, found.assessment.checks
+def test_every_shipped_profile_meets_its_requirements_after_certified_optima(
+    record: Record,
+) -> None:
+    """A shipped example that fails would teach users that a red verdict is normal.
 
-
-def test_optima_are_certified_and_faster_than_the_recommendation(found: Commissioning) -> None:
-    """Exact rest in the least time: no setpoint through a loop can be ahead of it by much."""
-    for optima, result in zip(found.optima, found.moves, strict=True):
+    Exact rest in the least time: no setpoint through a loop can be ahead of it by much.
+    """
+    assert record.assessment.met, record.assessment.checks
+    for optima, move in zip(record.optima, record.moves, strict=True):
         assert optima.time.certificate.relative_gap < 1e-6
-        assert optima.time.t_f < result.responses[0].settling_time
+        assert optima.time.t_f < move.response.settling_time
 
 
-def test_record_simulated_again_by_an_outsider(record: Record) -> None:
-    """Closed-loop matrices, segments and the filter alone must give what the record claims."""
-    _simulate_again(json.loads(dump_json(record)))
-
-
-def test_record_alone_gives_a_second_program_the_loop(record: Record) -> None:
+def test_record_alone_gives_a_second_program_the_loop(
+    ran: tuple[Json, Json], record: Record
+) -> None:
     """What a loop does must follow from its record: gains, cycles, delays, filters, observer."""
     if record.machine.follows:
         pytest.skip("no loop: tests/test_position_source.py integrates the equation itself")
-    data = json.loads(dump_json(record))
+    data = deepcopy(ran[0])
     data["loop"]["encoder_resolution"] = 0.0  # its steps are counted beside the response
     tau = data["loop"]["reference_delay"]
     band = parse_profile(record.profile.text, where="record.json").requirements.tcp_deviation
@@ -83,7 +71,9 @@ def test_record_alone_gives_a_second_program_the_loop(record: Record) -> None:
         assert motion.asked == pytest.approx(claimed["max_force"], rel=1e-5)
 
 
-def _simulate_again(record: dict[str, Any]) -> None:
+def test_record_simulated_again_by_an_outsider(ran: tuple[Json, Json]) -> None:
+    """Closed-loop matrices, segments and the filter alone must give what the record claims."""
+    record = ran[0]
     loop = record["loop"]["closed_loop"]
     A, B, C, D = (np.array(loop[key]) for key in ("A", "B", "C", "D"))
     tau, dt, cycle = record["loop"]["reference_delay"], loop["dt"], record["loop"]["velocity_cycle"]
@@ -118,16 +108,20 @@ def test_record_survives_its_file(record: Record, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
-def test_the_terminals_answer_fits_one_screen(found: Commissioning, language: str) -> None:
+def test_the_terminals_answer_fits_one_screen(ran: tuple[Json, Json], language: str) -> None:
     """If it failed, what was asked for would have scrolled away; 80 x 24, prompt included."""
-    machine = found.machine
+    machine = parse_profile(ran[0]["profile"]["text"], where="record.json")
     words = Catalogue(language, rotary=machine.motion is Motion.ROTARY)
-    answer, notes = limits_answer(found), ["a long note that wraps " * 20, "and a short one"]
-    warned = [
-        words.say(one)
-        for one in answer.warnings
-        if not (isinstance(one, Message) and one.kind in OF_LOOP)
-    ]
+    answer: LimitsAnswer = to_entry(ran[1], LimitsAnswer)
+    notes = ["a long note that wraps " * 20, "and a short one"]
+    best, warned = (
+        answer.recommended,
+        [
+            words.say(one)
+            for one in answer.warnings
+            if not (isinstance(one, Message) and one.kind in OF_LOOP)
+        ],
+    )
     for rows, rules in ((ROWS - ROWS_BELOW, []), (ROWS - 1, answer.rules)):
         shortened = replace(answer, rules=rules)
         shown_with = {"assumed": ["x = 1 kg"] * 40, "further": notes, "rows": rows}
@@ -135,13 +129,12 @@ def test_the_terminals_answer_fits_one_screen(found: Commissioning, language: st
         assert len(lines) <= rows + (2 if warned else 0)  # none of them is left out
         assert max(map(len, lines)) <= 80
         shown = "\n".join(lines)
-        best = found.recommended
         for told in (
             *(one.split()[-1] for one in warned),
             machine.name,
-            words.text("verdict-met" if found.assessment.is_met else "verdict-not-met"),
-            words.say(found.choice.bound_by),
-            words.format.axis(best.limits.acceleration, "m/s^2"),
+            words.text("verdict-met"),
+            words.say(best.bound_by),
+            words.format.axis(best.acceleration, "m/s^2"),
             words.format.axis(best.peak_deviation, "m"),
             words.text("terminal-assumed", what="").split(":")[0],
         ):

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import pytest
 
-from mtcommission.base import files
 from mtcommission.base.errors import InputError
 from mtcommission.base.files import (
     read_bytes,
@@ -46,17 +45,15 @@ def test_a_new_file_has_the_umask_and_an_old_one_keeps_its_mode(tmp_path: Path, 
     assert sorted(path.name for path in tmp_path.iterdir()) == ["new", "old"]
 
 
-@pytest.mark.parametrize("there", [True, False])
-def test_a_link_stays_and_its_target_is_written(tmp_path: Path, there: bool) -> None:
+def test_a_link_stays_and_its_target_is_written(tmp_path: Path) -> None:
     (tmp_path / "below").mkdir()
     target, link = tmp_path / "below" / "target", tmp_path / "link"
-    if there:
-        target.write_text("before")
     link.symlink_to(target)
-    require_writable(str(link))
-    write_text(str(link), "after")
-    assert link.is_symlink()
-    assert target.read_text() == "after"
+    for text in ("new", "again"):
+        require_writable(str(link))
+        write_text(str(link), text)
+        assert link.is_symlink()
+        assert target.read_text() == text
 
 
 def test_a_device_is_written_into() -> None:
@@ -95,19 +92,6 @@ def test_what_is_read_and_what_is_named_twice_is_refused(tmp_path: Path) -> None
     require_writable("", "", "-", str(mine))
 
 
-def test_nothing_is_left_of_a_write_that_fails(tmp_path: Path) -> None:
-    place = tmp_path / "file"
-    place.write_text("before")
-
-    def fail(file: object) -> None:
-        raise OSError(28, "No space left on device")
-
-    with pytest.raises(OSError, match="No space"):
-        files.replace_file(place, fail)
-    assert place.read_text() == "before"
-    assert list(tmp_path.iterdir()) == [place]
-
-
 def test_marks_that_nobody_sees_do_not_reach_the_screen() -> None:
     hidden = "\u061c\u200b\u200e\u200f\u202e\u2066\ufeff"
     assert printable(f"a{hidden}b") == f"a{'?' * len(hidden)}b"
@@ -133,4 +117,4 @@ def test_of_several_files_none_is_replaced_if_one_cannot_be_filled(
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == {
         "a": b"old",
         "b": b"old",
-    }
+    }, "and nothing is left of the write that failed"

@@ -21,7 +21,7 @@ import mtcommission
 from mtcommission.base.errors import ComputationError, Outcome
 from mtcommission.base.messages import LANGUAGES
 from mtcommission.base.messages.catalogue import Catalogue, entries_of
-from mtcommission.base.messages.message import Message, from_json, to_json
+from mtcommission.base.messages.message import Message
 from mtcommission.base.messages.quantities import Formatter, functions_of
 
 SOURCE = Path(mtcommission.__file__).parent
@@ -93,12 +93,6 @@ def test_every_text_exists_in_every_language_with_the_same_values() -> None:
             assert _parts(language, kind) == _parts("en", kind), f"{language}: {kind}"
 
 
-def test_every_text_calls_functions_that_there_are() -> None:
-    for language in LANGUAGES:
-        for kind in entries_of(language):
-            assert _places(language, kind).functions <= FUNCTIONS, f"{language}: {kind}"
-
-
 def test_every_line_of_the_files_is_of_a_text_and_every_key_of_one_file() -> None:
     for language in LANGUAGES:
         seen: dict[str, str] = {}
@@ -131,12 +125,6 @@ def test_every_text_can_be_said(language: str, *, rotary: bool) -> None:
             assert "{" not in said, part
 
 
-def test_a_message_survives_the_record() -> None:
-    inner = Message("requirement-peak", signal="v_phi")
-    message = Message("bound-by", first=inner, others=(inner, "a"), share=0.5, known=None)
-    assert from_json(to_json(message)) == message
-
-
 def test_every_outcome_tells_what_was_computed_and_survives_a_process() -> None:
     """A worker of a sweep hands its error over; a kind without a text would hide the remedy."""
     for outcome in Outcome:
@@ -152,30 +140,6 @@ def test_a_text_of_the_user_is_never_taken_for_one_of_ours() -> None:
         if not _values("en", kind) and not kind.startswith("-"):
             words = Catalogue("en").text(kind)
             assert Catalogue("de", rotary=True).say(words) == words, kind
-
-
-NO_PROSE = {
-    "controls/syntax.py": "rows of a file, read back as they were written",
-    "controls/wording.py": "umlauts among capitals",
-    "sheet/html.py": "indices of a formula",
-    "sheet/verdict.py": "numbers and units as they are typed",
-    "sweep/plan.py": "ranges as one types them",
-    "sweep/request.py": "columns of a table of cases",
-    "validate/page.py": "rows of the comparison with the paper, which are written in place",
-}
-"""Modules behind the results that search in texts, and what they search."""
-
-
-def test_nothing_behind_the_results_searches_in_texts() -> None:
-    """What a record says is data: a pattern that finds a sentence again breaks with its words."""
-    found = {
-        str(path.relative_to(SOURCE))
-        for package in ("record", "sheet", "controls", "export", "sweep", "validate", "cli")
-        for path in (SOURCE / package).rglob("*.py")
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-        if isinstance(node, ast.Import) and any(item.name == "re" for item in node.names)
-    }
-    assert found == set(NO_PROSE)
 
 
 @pytest.mark.parametrize("language", LANGUAGES)

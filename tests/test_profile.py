@@ -1,21 +1,18 @@
 from __future__ import annotations
 
 import re
-import tomllib
-from math import inf, pi, sqrt
+from math import inf, pi
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from mtcommission.base.errors import Fault, InputError
+from mtcommission.controls.kind import PositionLoop
 from mtcommission.controls.kinds import KINDS
-from mtcommission.machine.control import StateFeedback, Today
-from mtcommission.machine.machine import Machine, Motion
+from mtcommission.machine.control import ForceFilter, StateFeedback
+from mtcommission.machine.machine import Motion
 from mtcommission.machine.moves import Positioning, VelocityStep
-from mtcommission.machine.plant.modal import Modal
-from mtcommission.machine.profile.describe import questions
-from mtcommission.machine.profile.read import find_key_lines, line_of, parse_profile, read_profile
+from mtcommission.machine.profile.read import parse_profile, read_profile
 from mtcommission.machine.requirements import NO_RESERVE, Reserve
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from tests.machines import paper_machine
@@ -118,31 +115,13 @@ def test_the_milling_profile_is_table_1_christiansen_maurer_zirn() -> None:
     assert weights == {"x_b": 1.8858e15, "phi": 1.0961e15, "v_b": 8.6070e10, "v_phi": 2.8505e10}
 
 
-def test_the_ball_screw_is_the_two_masses_that_its_comment_derives() -> None:
-    """Recomputed as an eigenvalue problem of two masses and a spring."""
-    machine = read_profile(PROFILES / "ball-screw.toml")
-    ratio = 2 * pi / 0.03
-    screw = pi / 4 * 0.063**2 * 2.06e11 / 1.4
-    K = 1 / (1 / screw + 1 / 2e9 + 1 / 1e9)
-    M = np.diag([(0.00636 + 2 * 0.000655 + 0.001973) * ratio**2, 2500.0])
-    values, vectors = np.linalg.eig(np.linalg.solve(M, K * np.array([[1, -1], [-1, 1]])))
-    flexible = int(np.argmax(values))
-    shape = vectors[:, flexible] / sqrt(vectors[:, flexible] @ M @ vectors[:, flexible])
-    assert isinstance(machine.mechanics, Modal)
-    (mode,) = machine.mechanics.modes
-    assert machine.mechanics.moving_mass == pytest.approx(float(np.trace(M)), rel=1e-4)
-    assert mode.natural_frequency == pytest.approx(sqrt(values[flexible]), rel=1e-3)
-    assert mode.measured_gain == pytest.approx(shape[0] ** 2, rel=1e-3)
-    assert mode.tcp_gain == pytest.approx(shape[0] * shape[1], rel=1e-3)
-    assert machine.drive.max_force == pytest.approx(120 * ratio, rel=2e-3)
-    assert machine.drive.continuous_force == pytest.approx(22.5 * ratio, rel=2e-3)
-
-
 def test_every_key_of_the_interface_reaches_the_machine() -> None:
-    text = (
-        MANIPULATOR
-        + """\
+    text = changed(MANIPULATOR, '"2 kN"\n', '"2 kN"\nlead = "10 mm"\ngear = 2\n')
+    text += """\
 max_settling_time = "0.2 s"
+contour_deviation = "20 um"
+contour_feed = "3 m/min"
+reserve = { band = "70 %" }
 frequency_spread = "5 %"
 damping_spread = 0.1
 payload = ["0 kg", 100]
@@ -180,43 +159,48 @@ max_velocity = "30 m/min"
 dwell = 1
 [[moves]]
 distance = 0.5
+[today]
+acceleration = "2 m/s^2"
+jerk = "40 m/s^3"
+position_gain = "60 1/s"
+integral_time = "20 ms"
+setpoint_filter = { kind = "moving_average", time = "20 ms" }
 """
-    )
     machine = parse_profile(text, where="p.toml")
     assert machine.moves == (
         VelocityStep(velocity_step=0.1),
         Positioning(distance=0.02, max_velocity=0.5, dwell=1.0),
         Positioning(distance=0.5),
     )
-    needs, control = machine.requirements, machine.control
-    assert (needs.max_settling_time, needs.frequency_spread, needs.damping_spread) == (
-        0.2,
-        0.05,
-        0.1,
+    (notch,) = machine.control.force_filters
+    assert notch == ForceFilter(
+        kind="notch", natural_frequency=pytest.approx(144 * pi), damping=0.1
     )
-    assert (needs.payload, needs.payload_radius) == ((0.0, 100.0), 0.3)
-    peaks = {peak.name: peak.value for peak in needs.peaks}
-    assert peaks == {"v_phi": 5e-3, "tcp_vibration": 20e-6, "F": 1500.0}
-    bands = needs.modes
-    assert (bands.surface, bands.accuracy, bands.speed) == (2.5e-6, 5e-6, 20e-6)
-    assert machine.damping_optimal.t_f == 0.06
-    assert machine.damping_optimal.weights == ()
-    assert control.position_gain == pytest.approx(50.0)
-    assert (control.velocity_gain, control.integral_time) == (200e3, 0.02)
-    assert (control.velocity_feedforward, control.acceleration_feedforward) == (0.9, 1.0)
-    assert (control.jerk_feedforward, control.feedforward_mass) == (0.5, 800.0)
-    assert control.reference_delay == 3e-3
-    assert (control.position_cycle, control.velocity_cycle) == (1e-3, 250e-6)
-    assert control.has_tcp_sensor
-    assert control.state_feedback is StateFeedback.GIVEN
-    gains = {gain.name: gain.value for gain in control.state_gains}
-    assert gains == {"v_phi": 1e4, "phi": -2e5}
-    assert control.setpoint_filter == SetpointFilter(kind="moving_average", time=0.02)
-    assert not control.seeks_setpoint_filter
-    (notch,) = control.force_filters
-    assert (notch.kind, notch.damping) == ("notch", 0.1)
-    assert notch.natural_frequency == pytest.approx(2 * pi * 72)
-    assert control.minimum_bandwidth_hz == 15.0
+    needs, weights = machine.requirements, machine.damping_optimal
+    assert (weights.t_f, weights.weights) == (0.06, ())
+    assert {peak.name: peak.value for peak in needs.peaks} == PEAKS
+    assert {gain.name: gain.value for gain in machine.control.state_gains} == GAINS
+    for table, values in ((needs, NEEDS), (needs.modes, BANDS), (machine.control, CONTROL),
+                          (machine.drive, DRIVE), (machine.today, TODAY)):  # fmt: skip
+        assert {key: getattr(table, key) for key in values} == values
+
+
+PEAKS = {"v_phi": 5e-3, "tcp_vibration": 20e-6, "F": 1500.0}
+GAINS = {"v_phi": 1e4, "phi": -2e5}
+NEEDS = {"max_settling_time": 0.2, "frequency_spread": 0.05, "damping_spread": 0.1,
+         "payload": (0.0, 100.0), "payload_radius": 0.3, "contour_deviation": 20e-6,
+         "contour_feed": pytest.approx(0.05), "reserve": Reserve(band=0.7, force=0.95)}  # fmt: skip
+BANDS = {"surface": 2.5e-6, "accuracy": 5e-6, "speed": 20e-6}
+DRIVE = {"lead": 0.01, "gear": 2.0}
+AVERAGE = SetpointFilter(kind="moving_average", time=0.02)
+CONTROL = {"position_gain": pytest.approx(50.0), "velocity_gain": 200e3, "integral_time": 0.02,
+           "velocity_feedforward": 0.9, "acceleration_feedforward": 1.0, "jerk_feedforward": 0.5,
+           "feedforward_mass": 800.0, "reference_delay": 3e-3, "position_cycle": 1e-3,
+           "velocity_cycle": 250e-6, "has_tcp_sensor": True, "setpoint_filter": AVERAGE,
+           "state_feedback": StateFeedback.GIVEN, "minimum_bandwidth_hz": 15.0,
+           "position_loop": PositionLoop.INTERPOLATED, "seeks_setpoint_filter": False}  # fmt: skip
+TODAY = {"acceleration": 2.0, "jerk": 40.0, "position_gain": 60.0, "integral_time": 0.02,
+         "setpoint_filter": AVERAGE}  # fmt: skip
 
 
 def test_a_rotary_axis_takes_inertia_torque_and_angle() -> None:
@@ -238,16 +222,6 @@ def test_a_rotary_axis_takes_inertia_torque_and_angle() -> None:
     ]
 
 
-def test_a_misspelt_key_is_not_proposed_as_what_is_assumed() -> None:
-    text = changed(MODAL, 'source = "s"', 'source = "s"\nassumed = ["drive.max_force"]')
-    with pytest.raises(InputError) as caught:
-        parse_profile(changed(text, "max_force =", "maxforce ="), where="p.toml")
-    (fault,) = caught.value.faults
-    assert str(fault).endswith(
-        'drive.maxforce: unknown key; did you mean "max_force", which is missing?'
-    )
-
-
 def test_spreads_reserve_and_kind_are_assumed_unless_stated() -> None:
     """None of them must be silently nothing: limits without spread break with 1 % of frequency."""
     machine = parse_profile(MANIPULATOR, where="p.toml")
@@ -255,6 +229,9 @@ def test_spreads_reserve_and_kind_are_assumed_unless_stated() -> None:
     assert (needs.frequency_spread, needs.damping_spread) == (0.05, 0.3)
     assert needs.reserve == Reserve(band=0.8, force=0.95)
     assert (needs.contour_deviation, needs.contour_feed) == (inf, inf)
+    for text in ("", '[control]\nsetpoint_filter = "auto"\n'):
+        found = parse_profile(MANIPULATOR + text, where="p.toml").control
+        assert (found.seeks_setpoint_filter, found.setpoint_filter) == (True, None)
     for key in ("requirements.frequency_spread", "requirements.damping_spread", "control.kind"):
         assert machine.is_assumed(key)
     stated = MANIPULATOR + (
@@ -285,85 +262,17 @@ def test_a_rest_and_the_place_of_the_loop_are_assumed_where_they_decide() -> Non
 
 
 def test_a_kind_of_control_brings_its_own_defaults() -> None:
-    machine = parse_profile(MANIPULATOR + '[control]\nkind = "plcopen"\n', where="p.toml")
-    control, kind = machine.control, KINDS["plcopen"]
+    control = parse_profile(MANIPULATOR + '[control]\nkind = "plcopen"\n', where="p.toml").control
+    kind = KINDS["plcopen"]
     assert control.kind is kind
     assert control.position_loop is kind.position_loops[0]
-    assert (control.position_cycle, control.velocity_cycle) == (
-        kind.position_cycle,
-        kind.velocity_cycle,
-    )
-    assert control.velocity_feedforward == float(kind.velocity_feedforward)
-    assert control.acceleration_feedforward == float(kind.acceleration_feedforward)
+    for key in ("position_cycle", "velocity_cycle", "velocity_feedforward"):
+        assert getattr(control, key) == getattr(kind, key), key
     without = parse_profile(MANIPULATOR + '[control]\nkind = "fanuc"\n', where="p.toml").control
     assert without.reference_delay == 0.0
 
 
-def test_drive_train_contour_and_todays_values_reach_the_machine() -> None:
-    text = changed(MANIPULATOR, '"2 kN"\n', '"2 kN"\nlead = "10 mm"\ngear = 2\n') + (
-        'contour_deviation = "20 um"\ncontour_feed = "3 m/min"\nreserve = { band = "70 %" }\n'
-        '[today]\nacceleration = "2 m/s^2"\njerk = "40 m/s^3"\nposition_gain = "60 1/s"\n'
-        'integral_time = "20 ms"\nsetpoint_filter = { kind = "moving_average", time = "8 ms" }\n'
-    )
-    machine = parse_profile(text, where="p.toml")
-    assert (machine.drive.lead, machine.drive.gear) == (0.01, 2.0)
-    needs = machine.requirements
-    assert needs.contour_deviation == 20e-6
-    assert needs.contour_feed == pytest.approx(0.05)
-    assert needs.reserve == Reserve(band=0.7, force=0.95)
-    assert machine.today == Today(
-        acceleration=2.0,
-        jerk=40.0,
-        position_gain=60.0,
-        integral_time=0.02,
-        setpoint_filter=SetpointFilter(kind="moving_average", time=8e-3),
-    )
-
-
-def test_a_setpoint_filter_is_sought_unless_it_is_said() -> None:
-    """What is left out is chosen, as with the gains; a word must not choose silently."""
-    for text in ("", '[control]\nsetpoint_filter = "auto"\n'):
-        found = parse_profile(MANIPULATOR + text, where="p.toml").control
-        assert found.seeks_setpoint_filter
-        assert found.setpoint_filter is None
-
-
 # Broken profiles: the exact message
-
-
-def test_what_a_control_lacks_is_refused_key_by_key() -> None:
-    """Otherwise the sheet promises what nobody can set."""
-    asked = (
-        '[control]\nkind = "fluidnc"\nstate_feedback = "auto"\njerk_feedforward = 1\n'
-        'reference_delay = "1 ms"\ntcp_sensor = "position"\nposition_loop = "control"\n'
-        'setpoint_filter = { kind = "moving_average", time = "20 ms" }\n'
-        'force_filters = [{ kind = "notch", frequency = "72 Hz", damping = 0.1 }]\n'
-    )
-    lines = [fault.split(": ", 2) for fault in faults_in(MANIPULATOR + asked)]
-    assert [(place, key) for place, key, _ in lines] == [
-        ("p.toml:26", "control.state_feedback"),
-        ("p.toml:27", "control.jerk_feedforward"),
-        ("p.toml:28", "control.reference_delay"),
-        ("p.toml:29", "control.tcp_sensor"),
-        ("p.toml:30", "control.position_loop"),
-        ("p.toml:31", "control.setpoint_filter"),
-        ("p.toml:32", "control.force_filters"),
-    ]
-    assert lines[1][2] == (
-        'got 1; kind = "fluidnc" has only velocity_feedforward; write 0, or leave the key out'
-    )
-    assert lines[4][2] == (
-        'got "control"; kind = "fluidnc" closes its position loop otherwise: write "drive", '
-        "or leave the key out"
-    )
-    assert lines[5][2] == (
-        'got "moving_average"; kind = "fluidnc" has no such setpoint filter: write "none"'
-    )
-    todays = '[control]\nkind = "fluidnc"\n[today]\nacceleration = 1\njerk = 10\n'
-    assert faults_in(MANIPULATOR + todays) == [
-        'p.toml:28: today.jerk: kind = "fluidnc" limits no jerk, so none can be set today; '
-        "remove the key"
-    ]
 
 
 FAULTS = r"""
@@ -372,14 +281,7 @@ FAULTS = r"""
 "450 kg"  ->  nan
   8: plant.base_mass: got nan, must be a finite number
 "450 kg"  ->  true
-  8: plant.base_mass: got true, must be in kg, g or t
-"450 kg"  ->  "heavy"
-  8: plant.base_mass: got "heavy", which does not begin with a number; must be in kg, g
-    or t
-"450 kg"  ->  "450 mm"
-  8: plant.base_mass: got "450 mm"; must be in kg, g or t
-"450 kg"  ->  "4,5 t"
-  8: plant.base_mass: got "4,5 t" with a comma; write it with a point: "4.5 t"
+  8: plant.base_mass: got true, must be a mass, in kg, g or t
 "450 kg"  ->  4.5e9
   8: plant.base_mass: got 4.5e+09 kg, must be from 0.001 to 1e+06 kg; check the unit
 base_mass =  ->  # base_mass =
@@ -390,8 +292,6 @@ base_mass =  ->  # base_mass =
 "8500 N s/m"  ->  "300 kN s/m"
   14: plant.base_damping: got 300 kN s/m, a damping ratio of 1.06; must be < 2.827e+05 N s/m
     (ratio 1)
-"2 kN"  ->  "0 N"
-  19: drive.max_force: got 0 N, must be > 0 N
 source = "s"  ->  source = "s"\nassumed = ["drive.max_force", "drive.force_lg"]
   6: machine.assumed[2]: got "drive.force_lg", which is not stated here; did you mean
     "drive.force_lag"?
@@ -404,8 +304,6 @@ source = "s"  ->  source = "s"\nillustrative = 1
   22: moves[1].max_velocity: belongs to a move with distance; give distance, or remove it
 "0.1 m/s"  ->  "0.1 m/s"\ndistance = 1
   20: moves[1]: got both of velocity_step and distance, give exactly one
-velocity_step =  ->  dwell = 0 #
-  20: moves[1]: got neither of velocity_step and distance, give exactly one
 "5 um"  ->  "5 um"\nfrequency_spread = "60 %"
   24: requirements.frequency_spread: got 60 %, must be from 0 to 0.5 (50 %)
 "5 um"  ->  "5 um"\ndamping_spread = 1
@@ -416,20 +314,13 @@ velocity_step =  ->  dwell = 0 #
   24: requirements.payload: got 1 elements, at least 2 needed
 "5 um"  ->  "5 um"\npeaks = { v_fi = 1 }
   24: requirements.peaks.v_fi: no such signal; did you mean "v_phi"?
-"5 um"  ->  "5 um"\npeaks = { v_phi = "5 mm/s" }
-  24: requirements.peaks.v_phi: got "5 mm/s"; must be in
-    rad/s, deg/s or rev/min
 "5 um"  ->  "5 um"\n[damping_optimal]\nweights = { tcp = 1 }
   25: damping_optimal.weights.tcp: no such signal; there are x_b, x_s, phi, v_b, v_s, v_phi, F
-"5 um"  ->  "5 um"\n[damping_optimal]\nweights = "equal"
-  25: damping_optimal.weights: got "equal", must be "balanced" or a table of signals
 "5 um"  ->  "5 um"\n[control]\nposition_cycle = "1 ms"\nvelocity_cycle = "300 us"
   25: control.position_cycle: got 1 ms, 3.33333 times velocity_cycle = 300 us; must be a
     whole multiple
 "5 um"  ->  "5 um"\n[control]\nstate_feedback = "on"
   25: control.state_feedback: got "on", must be "auto" or "off" or a table of signals
-"5 um"  ->  "5 um"\n[control]\nsetpoint_filter = "some"
-  25: control.setpoint_filter: got "some", must be "auto" or "none" or a table with kind
 "5 um"  ->  "5 um"\n[control]\nkind = "sinumerik"\nsetpoint_filter = { kind = "second_order", time = "40 ms" }
   26: control.setpoint_filter.kind: got "second_order": behind such a filter a setpoint never
     ends, so no time of settling and no proof for every size of move could be stated; choose
@@ -455,12 +346,8 @@ velocity_step =  ->  dwell = 0 #
     s, ms, us or min, or "auto"
 "5 um"  ->  "5 um"\n[control]\ntcp_sensor = "laser"
   25: control.tcp_sensor: got "laser", must be "none" or "position"
-"5 um"  ->  "5 um"\npayload = ["-1 kg", 5]
-  24: requirements.payload[1]: got -1 kg, must be >= 0 kg
 schema = 1  ->  schema = 2
   1: schema: got 2, must be 1
-schema = 1  ->  schema = true
-  1: schema: got true, must be 1
 schema = 1  ->  #
   1: schema: missing; add schema = 1
 name = "m"  ->  name = " "
@@ -476,11 +363,59 @@ name = "m"  ->  name = 7
     beside it; give both, or remove it
 "5 um"  ->  "5 um"\ncontour_feed = "3 m/min"
   24: requirements.contour_feed: belongs to contour_deviation; give that, or remove it
-"5 um"  ->  "5 um"\nreserve = { band = 1.2 }
-  24: requirements.reserve.band: got 1.2, must be from 0.01 to 1; check the unit
-"5 um"  ->  "5 um"\n[today]\njerk = 10
-  24: today.acceleration: missing; add the value of your machine, for example acceleration = "2
-    m/s^2"
+"450 kg"\nslider_mass  ->  "-450 kg"\nslidermass
+  8: plant.base_mass: got -450 kg, must be > 0 kg
+  9: plant.slidermass: unknown key; did you mean "slider_mass", which is missing?
+kind = "manipulator"\nbase_mass = "450 kg"  ->  kind = "manipulater"\nbase_mass = "450 m"
+  7: plant.kind: got "manipulater", must be "manipulator" or "modal"; did you mean
+    "manipulator"?
+  8: plant.base_mass: got "450 m", which is a length; must be a mass, in kg, g or t
+kind = "manipulator"\nbase_mass = "450 kg"  ->  base_mass = "450 m"
+  6: plant.kind: missing; add kind = "manipulator", to which the other keys belong
+  7: plant.base_mass: got "450 m", which is a length; must be a mass, in kg, g or t
+"2 kN"  ->  0,25
+  19: TOML syntax: Expected newline or end of document after a statement; mend this line or the
+    one above: texts and values with a unit stand in quotes, numbers take a point, and a key
+    stands once
+"2 kN"  ->  "2 kN
+  19: TOML syntax: Illegal character '\n'; mend this line or the one above: texts and values
+    with a unit stand in quotes, numbers take a point, and a key stands once
+"2 kN"  ->  ["2 kN"
+  20: TOML syntax: Unclosed array; mend this line or the one above: texts and values with a unit
+    stand in quotes, numbers take a point, and a key stands once
+"2 kN"  ->  "2 kN"\nmax_force = 2
+  20: TOML syntax: Cannot overwrite a value; mend this line or the one above: texts and values
+    with a unit stand in quotes, numbers take a point, and a key stands once
+"5 um"  ->  "5 um"\n[control]\nkind = "fluidnc"\nstate_feedback = "auto"\njerk_feedforward = 1\nreference_delay = "1 ms"\ntcp_sensor = "position"\nposition_loop = "control"\nsetpoint_filter = { kind = "moving_average", time = "20 ms" }\nforce_filters = [{ kind = "notch", frequency = "72 Hz", damping = 0.1 }]
+  26: control.state_feedback: kind = "fluidnc" cannot feed states back; write "off", or kind =
+    "state-space" for a free controller
+  27: control.jerk_feedforward: got 1; kind = "fluidnc" has only velocity_feedforward; write 0,
+    or leave the key out
+  28: control.reference_delay: got 1 ms; kind = "fluidnc" cannot delay its setpoint; leave the
+    key out
+  29: control.tcp_sensor: kind = "fluidnc" has no observer that could use a sensor at the tool;
+    write "none", or kind = "state-space" for a free controller
+  30: control.position_loop: got "control"; kind = "fluidnc" closes its position loop otherwise:
+    write "drive", or leave the key out
+  31: control.setpoint_filter: got "moving_average"; kind = "fluidnc" has no such setpoint
+    filter: write "none"
+  32: control.force_filters: got 1 filters; kind = "fluidnc" has 0 in the torque setpoint; write
+    no more
+"5 um"  ->  "5 um"\n[control]\nkind = "fluidnc"\n[today]\nacceleration = 1\njerk = 10
+  28: today.jerk: kind = "fluidnc" limits no jerk, so none can be set today; remove the key
+"5 um"  ->  "5 um"\n[control]\nposition_gain = "5 kg"\nsetpoint_filter = { kind = "fir", taps = [0.5, 0.4], frequency = "1 m", zzz = 1 }\n[today]\nacceleration = 1\njerk = "1 kg"\nsetpoint_filter = { kind = "moving_average", damping = 7 }
+  25: control.position_gain: got "5 kg", which is a mass; must be a position gain, in 1/s or
+    (m/min)/mm
+  26: control.setpoint_filter.spacing: missing: a filter with kind = "fir" needs it
+  26: control.setpoint_filter.frequency: means nothing to a filter with kind = "fir": remove it
+  26: control.setpoint_filter.zzz: unknown key; there are kind, time, second_time, frequency,
+    damping, taps, spacing
+  26: control.setpoint_filter.taps: got taps whose sum is 0.9, must be 1, or the axis would not
+    arrive where it should: divide each by the sum
+  29: today.jerk: got "1 kg", which is a mass; must be a jerk, in m/s^3 or mm/s^3
+  30: today.setpoint_filter.time: missing: a filter with kind = "moving_average" needs it
+  30: today.setpoint_filter.damping: means nothing to a filter with kind = "moving_average":
+    remove it
 """  # noqa: E501
 """What is changed in the profile of the manipulator, and below it the line and what is said."""
 
@@ -507,124 +442,36 @@ damping_ratio = 0.02  ->  damping_ratio = 0.8
 """The same of the modal profile."""
 
 
-def cases(text: str) -> list[tuple[str, str, str]]:
+def cases(text: str) -> list[tuple[str, str, list[str]]]:
     blocks = re.findall(r"^(\S.*)  ->  (.*)\n((?:  .*\n)+)", text, re.MULTILINE)
     return [
-        (*(part.replace("\\n", "\n") for part in (old, new)), " ".join(said.split()))
+        (
+            *(part.replace("\\n", "\n") for part in (old, new)),
+            [
+                f"p.toml:{' '.join(one.split())}"
+                for one in re.split(r"^  (?=\d)", said, flags=re.M)[1:]
+            ],
+        )
         for old, new, said in blocks
     ]
 
 
 @pytest.mark.parametrize(("old", "new", "expected"), cases(FAULTS))
-def test_one_fault_one_line(old: str, new: str, expected: str) -> None:
-    assert faults_in(changed(MANIPULATOR, old, new)) == [f"p.toml:{expected}"]
+def test_every_fault_has_its_line(old: str, new: str, expected: list[str]) -> None:
+    """All at once and in order; a control that lacks a key refuses it; a wrong kind hides none."""
+    assert faults_in(changed(MANIPULATOR, old, new)) == expected
 
 
 @pytest.mark.parametrize(("old", "new", "expected"), cases(FAULTS_OF_MODES))
-def test_one_fault_in_one_mode(old: str, new: str, expected: str) -> None:
-    assert faults_in(changed(MODAL, old, new)) == [f"p.toml:{expected}"]
+def test_so_has_every_fault_of_modes(old: str, new: str, expected: list[str]) -> None:
+    assert faults_in(changed(MODAL, old, new)) == expected
 
 
-def test_an_unknown_control_and_too_many_modes_are_refused() -> None:
-    control = MANIPULATOR + '[control]\nkind = "siemens"\n'
-    *first, last = KINDS
-    kinds = ", ".join(f'"{kind}"' for kind in first)
-    assert faults_in(control) == [
-        f'p.toml:25: control.kind: got "siemens", must be {kinds} or "{last}"'
-    ]
-    more = "".join(
-        f'[[plant.modes]]\nname = "m{i}"\nfrequency = {100 + i}\ndamping_ratio = 0\ntcp_gain = 0\n'
-        for i in range(7)
-    )
-    assert faults_in(MODAL + more) == [
+def test_too_many_modes_are_refused() -> None:
+    mode = '[[plant.modes]]\nname = "m{}"\nfrequency = 1{}\ndamping_ratio = 0\ntcp_gain = 0\n'
+    assert faults_in(MODAL + "".join(mode.format(i, i) for i in range(7))) == [
         "p.toml:9: plant.modes: got too many elements, at most 8 allowed"
     ]
-
-
-def test_all_faults_come_at_once_and_in_order() -> None:
-    text = changed(MANIPULATOR, '"450 kg"', '"-450 kg"')
-    text = changed(text, "slider_mass", "slidermass")
-    text = changed(text, '"2 kN"', '"2 kg"')
-    assert faults_in(text) == [
-        "p.toml:8: plant.base_mass: got -450 kg, must be > 0 kg",
-        'p.toml:9: plant.slidermass: unknown key; did you mean "slider_mass", which is missing?',
-        'p.toml:19: drive.max_force: got "2 kg"; must be in N, kN or MN',
-    ]
-
-
-def test_a_filter_tells_all_that_is_wrong_with_it_at_once() -> None:
-    """Keys that its kind lacks or does not know were told only when everything else was right."""
-    filters = (
-        'setpoint_filter = { kind = "fir", taps = [0.5, 0.4], frequency = "1 m", zzz = 1 }\n'
-        'position_gain = "5 kg"\n[today]\nacceleration = 1\njerk = "1 kg"\n'
-        'setpoint_filter = { kind = "moving_average", damping = 7 }\n'
-    )
-    text = changed(MANIPULATOR, '"5 um"', f'"5 um"\n[control]\n{filters}')
-    said = [(line.split(": ")[1], line.split(": ")[2][:7]) for line in faults_in(text)]
-    assert sorted(said) == [
-        ("control.position_gain", 'got "5 '),
-        ("control.setpoint_filter.frequency", "means n"),
-        ("control.setpoint_filter.spacing", "missing"),
-        ("control.setpoint_filter.taps", "got tap"),
-        ("control.setpoint_filter.zzz", "unknown"),
-        ("today.jerk", 'got "1 '),
-        ("today.setpoint_filter.damping", "means n"),
-        ("today.setpoint_filter.time", "missing"),
-    ]
-
-
-@pytest.mark.parametrize(
-    ("kind", "words"),
-    [
-        (
-            'kind = "manipulater"',
-            '7: plant.kind: got "manipulater", must be "manipulator" or "modal"; '
-            'did you mean "manipulator"?',
-        ),
-        ("", '6: plant.kind: missing; add kind = "manipulator", to which the other keys belong'),
-        (
-            "kind = 5",
-            '7: plant.kind: got 5, must be "manipulator" or "modal"; did you mean "manipulator"?',
-        ),
-        (
-            "kind = [{}]",
-            '7: plant.kind: got an array, must be "manipulator" or "modal"; '
-            'did you mean "manipulator"?',
-        ),
-    ],
-)
-def test_a_wrong_kind_does_not_hide_the_other_faults_of_the_plant(kind: str, words: str) -> None:
-    """Else the user mends one fault after the other."""
-    text = changed(changed(MANIPULATOR, 'kind = "manipulator"', kind), '"450 kg"', '"450 m"')
-    found = faults_in(text)
-    assert found[0] == f"p.toml:{words}"
-    assert found[1].startswith('p.toml:8: plant.base_mass: got "450 m"')
-    assert len(found) == 2
-
-
-REMEDY = (
-    " ; mend this line or the one above: texts and values with a unit stand in quotes, numbers "
-    "take a point, brackets are closed, and a key stands once"
-)
-
-
-@pytest.mark.parametrize(
-    ("value", "line", "got"),
-    [
-        ("0,25", 19, "max_force = 0,25"),
-        ("2 kN", 19, "max_force = 2 kN"),
-        ('"2 kN', 19, 'max_force = "2 kN'),
-        ("“2 kN”", 19, "max_force = “2 kN”"),
-        ("", 19, "max_force ="),
-        ("1\nmax_force = 2", 20, "max_force = 2"),
-    ],
-)
-def test_what_is_no_toml_has_the_line_of_the_parser_and_a_remedy(
-    value: str, line: int, got: str
-) -> None:
-    """TOML's own words ("Illegal character") are English and tell nobody what to type instead."""
-    text = changed(MANIPULATOR, 'max_force = "2 kN"', f"max_force = {value}")
-    assert faults_in(text) == [f"p.toml:{line}: no TOML: {got}{REMEDY}"]
 
 
 def test_missing_tables_are_asked_for() -> None:
@@ -656,21 +503,11 @@ def fault_of_file(path: Path) -> Fault:
     ("data", "line", "message"),
     [
         (b"", 1, "is empty; start from a shipped profile (mtcommission profiles list)"),
-        (
-            b"\xef\xbb\xbf \r\n",
-            1,
-            "is empty; start from a shipped profile (mtcommission profiles list)",
-        ),
         (b"\x7fELF\0\0", 0, "is a binary or UTF-16 file; save the profile as UTF-8 text"),
         (
             b'schema = 1\n# \xb5m\n',
             2,
             "byte 0xb5 is not UTF-8; save the profile as UTF-8 text",
-        ),
-        (
-            b"schema = 1\n[drive\nmax_force = 2\n",
-            2,
-            "no TOML: [drive" + REMEDY,
         ),
         (
             b"a = " + b"[" * 20000,
@@ -709,71 +546,24 @@ def test_byte_order_mark_and_windows_line_ends_change_nothing(tmp_path: Path) ->
 # Lines
 
 
-def test_lines_survive_comments_strings_arrays_and_dotted_keys() -> None:
-    text = '''\
-# [drive] in a comment
-title = """
-[drive]
-max_force = 1
-"""
-a.b."c d" = 1   # = [x]
-list = [
-  1, # ]
-  { drive = 2 },
-]
-[drive]
-max_force = "[[moves]]"
-[[moves]]
-x = { y = 1, z = [1, 2] }
-[[moves]]
-  [moves.inner]
-  x = 'C:\\'
-  q = 5
-[[moves]]
-'''
-    assert tomllib.loads(text)["moves"][1]["inner"]["q"] == 5
-    lines = find_key_lines(text)
-    expected = {
-        ("title",): 2,
-        ("a", "b", "c d"): 6,
-        ("list",): 7,
-        ("list", 1, "drive"): 7,
-        ("drive",): 11,
-        ("drive", "max_force"): 12,
-        ("drive", "missing"): 11,
-        ("moves",): 13,
-        ("moves", 0, "x", "y"): 14,
-        ("moves", 1): 15,
-        ("moves", 1, "inner", "q"): 18,
-        ("moves", 2): 19,
-        ("nowhere",): 1,
-    }
-    assert {path: line_of(path, lines) for path in expected} == expected
-
-
-# Robustness and schema
+def test_lines_survive_comments_strings_arrays_and_indented_tables() -> None:
+    """A fault told at another line sends the user to a key that is right."""
+    text = changed(MANIPULATOR, '"s"', '"""\n[drive]\nmax_force = 1\n"""  # [drive] in a comment')
+    text = changed(text, '"2 kN"', "'C:\\'  # = [[moves]]")
+    text += 'payload = [\n  "0 kg",  # ]\n  "-1 kg",\n]\nreserve = { band = 2, force = 3 }\n'
+    text += '[[moves]]\ndistance = 1\n  [[moves]]\n  distance = -1\n[control]\n"kind" = 5\n'
+    text = changed(text, "base_mass = ", "base_mass = 0 #").replace("[plant]\n", "[ plant ]\n")
+    assert [fault.split(": ")[:2] for fault in faults_in(text)] == [
+        ["p.toml:5", "machine.source"],
+        ["p.toml:11", "plant.base_mass"],
+        ["p.toml:22", "drive.max_force"],
+        ["p.toml:27", "requirements.payload[2]"],
+        ["p.toml:31", "requirements.reserve.band"],
+        ["p.toml:31", "requirements.reserve.force"],
+        ["p.toml:35", "moves[3].distance"],
+        ["p.toml:37", "control.kind"],
+    ]
 
 
 def test_the_page_of_keys_is_the_schema() -> None:
     assert PAGE.read_text("utf-8") == write_page(), "run: python -m tests.profile_page"
-
-
-def test_the_questions_ask_for_every_key_that_a_profile_must_have() -> None:
-    """What the wizard asks is enough for a profile, with the examples as answers."""
-    for kind, follows in (("manipulator", False), ("modal", False), ("modal", True)):
-        asked = [one for one in questions(kind, follows=follows) if one.is_required]
-        lines = ["schema = 1", f'plant.kind = "{kind}"']
-        lines += ['drive.kind = "position_source"'] if follows else []
-        tables: dict[str, list[str]] = {"moves.0": [], "plant.modes.0": []}
-        for one in asked:
-            table, key = one.key.rsplit(".", 1)
-            if key != "velocity_step":  # the other kind of move
-                where = tables.get(table, lines)
-                where.append(f"{key if where is not lines else one.key} = {_typed(one.example)}")
-        for table, rows in tables.items():
-            lines += [f"[[{table.removesuffix('.0')}]]", *rows] if rows else []
-        assert isinstance(parse_profile("\n".join(lines), where=kind), Machine)
-
-
-def _typed(example: str) -> str:
-    return example if example.replace(".", "").isdigit() else f'"{example}"'

@@ -21,22 +21,20 @@ from typer.testing import CliRunner
 
 from mtcommission.base.errors import ComputationError, InputError, Outcome
 from mtcommission.base.messages.catalogue import Catalogue
-from mtcommission.base.messages.message import Message, from_json, join_by_and
+from mtcommission.base.messages.message import Message, from_json
 from mtcommission.base.messages.quantities import THIN_SPACE, Formatter
 from mtcommission.base.units.symbols import read_unit
 from mtcommission.cli import app
-from mtcommission.limits.commissioning_rule import apply_commissioning_rule
-from mtcommission.limits.requirements import RESIDUAL_DEVIATION, SET_FORCE
-from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.profile.shipped import read_shipped, shipped_names
-from mtcommission.record.machine import list_assumptions, list_data
+from mtcommission.record.machine import list_data
 from mtcommission.record.record import Record
 from mtcommission.record.shape import to_entry, to_plain
 from mtcommission.sheet.content import compose, print_html, print_pdf
 from mtcommission.sheet.document import (
     Form,
     Formula,
+    Headline,
     LinePlot,
     Paragraph,
     Preformatted,
@@ -45,18 +43,15 @@ from mtcommission.sheet.document import (
 )
 from mtcommission.sheet.figures import draw_svg
 from mtcommission.sheet.pdf import set_pdf
-from mtcommission.sheet.verdict import assumed_rows, basis_rows, headline, holds_rows
 
 from .sheet_record import (
     HOSTILE,
     example_record,
-    extreme_record,
     five_moves_record,
     on_json,
     retuned,
     rotary_record,
     said,
-    typed_rows,
     unsettled_record,
     with_today,
 )
@@ -64,16 +59,12 @@ from .sheet_record import (
 ENGLISH, GERMAN = Catalogue("en"), Catalogue("de")
 
 compose, print_html, print_pdf = map(on_json, (compose, print_html, print_pdf))
-assumed_rows, basis_rows, holds_rows, headline = map(
-    on_json, (assumed_rows, basis_rows, holds_rows, headline)
-)
 
 RECORDS = {
     "example": example_record,
     "unsettled": unsettled_record,
     "five moves": five_moves_record,
     "rotary": rotary_record,
-    "extreme": extreme_record,
 }
 LINEAR = Formatter()
 ROTARY = Formatter(rotary=True)
@@ -137,9 +128,8 @@ def tables(document):
 
 def text_cells(document):
     """Every cell that is set as text and not as a formula."""
-    for table in tables(document):
-        for row in table.rows:
-            yield from (cell for cell in row if isinstance(cell, str))
+    rows = (row for table in tables(document) for row in table.rows)
+    return [cell for row in rows for cell in row if isinstance(cell, str)]
 
 
 def plain(cell) -> str:
@@ -203,9 +193,10 @@ def test_the_plots_show_the_numbers_of_the_record():
     assert force.y_label == "Set force F_set in kN"
     response = force.lines[-1]
     np.testing.assert_allclose(response.x, np.array(series["t"]) * 1e3)
-    # As it is, not as a mean: its peak is the largest set force that stands beside it.
-    np.testing.assert_allclose(response.y, np.array(series["signals"]["F_set"]) / 1e3)
-    assert [border.y for border in force.borders] == [2.01, -2.01]
+    drawn, given = response.y, np.array(series["signals"]["F_set"]) / 1e3
+    mean = np.convolve(given, np.ones(8) / 8.0, "valid")  # 2 ms in steps of 0.25 ms
+    np.testing.assert_allclose(drawn[4 : 4 + mean.size], mean, rtol=1e-9, atol=1e-12)
+    assert [border.y for border in force.borders] == [2.0, -2.0]
     acceleration = found["drive-1"].panels[1].lines
     np.testing.assert_allclose(acceleration[0].y, series["signals"]["a_ref"])
     np.testing.assert_allclose(
@@ -216,79 +207,40 @@ def test_the_plots_show_the_numbers_of_the_record():
 def test_what_did_not_settle_is_said_and_never_a_number():
     record = unsettled_record()
     document = compose(record)
-    verdict = document.sections[0].blocks
-    headline = next(block for block in verdict if hasattr(block, "is_met"))
+    (headline,) = (block for block in document.sections[0].blocks if isinstance(block, Headline))
     assert not headline.is_met
     assert headline.verdict == "Requirements NOT met"
     assert "settling time" in headline.detail
     result = table_of(record, "responses", which=1)
     assert result.rows[0][3:5] == ("not settled", "not settled")
-    everything = "\n".join(text_cells(document))
-    assert not re.search(r"\b(None|nan)\b", everything)
+    assert not re.search(r"\b(None|nan)\b", "\n".join(text_cells(document)))
+    # Axes without a curve cannot be told from a fault of the plot.
+    assert "frequency-error" not in [plot.key for plot in plots(document)]
 
 
-def test_a_frequency_error_that_nothing_survives_draws_no_empty_axes():
-    """Axes without a curve were drawn, and nobody could tell a fault of the plot from a result."""
-    record = unsettled_record()
-    error = record["robustness"]["frequency_error"]
-
-    def shown():
-        drawn = [one for one in plots(compose(record)) if one.key == "frequency-error"]
-        return [len(plot.panels) for plot in drawn]
-
-    assert shown() == []
-    error["residual_deviation"] = [9e-6 for _ in error["factor"]]
-    assert shown() == [1]
-    error["settling_time"] = [None, *(0.1 for _ in error["factor"][1:])]
-    assert shown() == [2]
-
-
-def test_a_rotary_axis_has_torques_and_moments_of_inertia():
+@pytest.mark.parametrize("language", ["en", "de"])
+def test_a_rotary_axis_has_torques_and_moments_of_inertia(language):
     """A field "Moving mass 8.3 kg m²" makes one doubt all other fields."""
-    record = rotary_record()
-    bound_by = join_by_and([RESIDUAL_DEVIATION.message, SET_FORCE.message])
-    record["limits"]["recommended"]["bound_by"] = said(
-        "bound-by-requirements", requirements=bound_by
-    )
-    record["assumptions"] = to_plain(list_assumptions(read_shipped("rotary-table").machine))
-    forces = {"en": r"\b([Ff]orces?|[Mm]ass)\b", "de": "[Kk]raft|[Kk]räft|[Mm]asse"}
-    for language in ("en", "de"):
-        document = compose(record, language)
-        shown = "\n".join(
-            block_text(block)
-            for section in document.sections
-            for block in section.blocks
-            if not isinstance(block, Preformatted)
-        )
-        shown = shown.replace("requirements.reserve.force", "")  # a key of the profile
-        assert not re.findall(f".*(?:{forces[language]}).*", shown)
-        linear = block_text(table_of(example_record(), "measurements", language))
-        assert re.search(forces[language], linear), "the words that are looked for"
+    forces = {"en": r"\b([Ff]orces?|[Mm]ass)\b", "de": "[Kk]raft|[Kk]räft|[Mm]asse"}[language]
+    document = compose(rotary_record(), language)
+    blocks = (block for section in document.sections for block in section.blocks)
+    shown = "\n".join(block_text(one) for one in blocks if not isinstance(one, Preformatted))
+    shown = shown.replace("requirements.reserve.force", "")  # a key of the profile
+    assert not re.findall(f".*(?:{forces}).*", shown)
+    linear = block_text(table_of(example_record(), "measurements", language))
+    assert re.search(forces, linear), "the words that are looked for"
 
 
 @pytest.mark.parametrize("language", ["en", "de"])
 @pytest.mark.parametrize("name", ["force", "Kraft"])
 def test_a_mode_named_as_a_word_of_the_sheet_keeps_its_name_on_a_rotary_axis(name, language):
     """A mode "Kraft" made the German sheet speak of v_Drehmoment, a signal that does not exist."""
-    told = json.dumps(rotary_record()).replace("_disc", "_@").replace('"base"', '"@"')
+    told = json.dumps(rotary_record()).replace("plate", "@")
     record, renamed = (json.loads(told.replace("@", mode)) for mode in ("drum", name))
     sheets = [asdict(compose(item, language)) for item in (record, renamed)]
     before, after = (json.dumps(sheet, default=str, ensure_ascii=False) for sheet in sheets)
     assert before.count("drum") > 3
     assert before.replace("drum", name) == after
-
-
-def test_a_long_source_stands_once_with_a_number_and_a_short_one_in_its_row():
-    """Repeated in each row, the source fills the page and hides the data of other origin."""
-    record = example_record()
-    long, other = ("Measured by the maker of the machine, report 12 of 2026", "Data sheet " * 4)
-    for item, source in zip(record["data"][1:], (long, long, other), strict=False):
-        item["source"] = source
-    section = next(s for s in compose(record).sections if s.key == "machine")
-    data, _ = (block for block in section.blocks if isinstance(block, Table))
-    assert [row[3] for row in data.rows] == ["default", "[1]", "[1]", "[2]"]
-    notes = [block.text for block in section.blocks if isinstance(block, Paragraph)]
-    assert notes == [f"[1] {long}", f"[2] {other}"]
 
 
 def test_the_first_page_says_each_warning_once():
@@ -311,32 +263,7 @@ def test_what_is_to_be_measured_has_its_value_and_empty_fields():
         assert len(table.rows) == 4 + 2 * len(record["plant"]["modes"]) + 5 * len(record["moves"])
     rows = {row[0]: row[1:3] for row in table_of(example_record(), "measurements").rows}
     assert rows["Frequency of mode base"] == (f"50.03{THIN_SPACE}Hz", f"± 5.2{THIN_SPACE}%")
-    assert rows["Damping ratio of mode base"] == (f"3.01{THIN_SPACE}%", "–")
-    assert rows["Move\N{NO-BREAK SPACE}1: Residual deviation"] == (
-        f"4.581{THIN_SPACE}µm",
-        f"5.1{THIN_SPACE}µm",
-    )
-    assert rows["Move\N{NO-BREAK SPACE}1: Largest set force"][0] == f"1.803{THIN_SPACE}kN"
-
-
-def test_arcs_within_the_force_bound_that_follow_one_another_are_no_switches():
-    """A hundred instants at which nothing happens would hide the few that are switches."""
-    record = example_record()
-    ends = [
-        ("+F_max", 0.009),
-        *(("interior", 0.010 + 1e-4 * k) for k in range(99)),
-        ("-F_max", 0.04),
-    ]
-    begins = (0.0, *(end for _, end in ends))
-    record["optima"][0]["time"]["arcs"] = [
-        {"t_start": begin, "t_end": end, "control": control}
-        for begin, (control, end) in zip(begins, ends, strict=False)
-    ]
-    (section,) = (s for s in compose(record).sections if s.key == "certificates")
-    shown = next(dict(b.rows) for b in section.blocks if isinstance(b, Table))[
-        ENGLISH.text("switches")
-    ]
-    assert shown == f"9{THIN_SPACE}ms, 19.8{THIN_SPACE}ms"
+    assert rows["Move 1: Residual deviation"] == (f"4.581{THIN_SPACE}µm", f"5.1{THIN_SPACE}µm")
 
 
 def table_of(record, key, language="en", *, which=0):
@@ -345,16 +272,10 @@ def table_of(record, key, language="en", *, which=0):
 
 
 def test_a_peak_and_the_gains_carry_the_unit_of_their_state():
-    record = example_record()
-    rows = typed_rows("milling-manipulator", to_entry(record, Record))
-    document = compose(record, typed=rows)
+    document = compose(example_record())
     cells = {row[0]: row[1] for table in tables(document) for row in table.rows}
     assert cells["Tower rotation rate v_φ, largest magnitude"] == f"5.3{THIN_SPACE}mrad/s"
     assert cells["state feedback v_b"] == f"1236.4{THIN_SPACE}N/(m/s)"
-    assert cells["Frequency spread"] == f"5.2{THIN_SPACE}%"
-    gains, *_ = table_of(record, "loop-details").rows
-    shown = ("42.79 1/s", "128.4 kN·s/m", "23.37 ms", "5.625 ms", "752 kg")
-    assert tuple(cell.replace(THIN_SPACE, " ") for cell in gains) == shown
 
 
 # the rule
@@ -363,19 +284,7 @@ def test_a_peak_and_the_gains_carry_the_unit_of_their_state():
 @pytest.mark.parametrize("language", ["en", "de"])
 def test_every_formula_of_the_rule_is_set_and_every_symbol_explained(language):
     """The rule is to be used with a calculator, so no letter may be left to guess."""
-    record = example_record()
-    machine = read_shipped("milling-manipulator").machine
-    rule = apply_commissioning_rule(machine, tune_loop(machine))
-    record["limits"]["rule"]["steps"] = [
-        {
-            "name": to_plain(step.name),
-            "formula": to_plain(step.formula),
-            "value": 1.0,
-            "unit": step.unit,
-        }
-        for step in rule.steps
-    ]
-    section = next(s for s in compose(record, language).sections if s.key == "rule")
+    section = next(s for s in compose(example_record(), language).sections if s.key == "rule")
     formulas = [block for block in section.blocks if isinstance(block, Formula)]
     assert len(formulas) == 6
     words = " ".join(block.text for block in section.blocks if isinstance(block, Paragraph))
@@ -408,20 +317,16 @@ def expect_the_same(document, html, pdf):
 # page
 
 
-@pytest.mark.parametrize("name", RECORDS)
-def test_the_page_needs_nothing_from_outside(name, pages):
-    page = Page(pages[name])
+def test_the_page_needs_and_admits_nothing_from_outside(pages):
+    """Its policy has its own script and style; hostile text stays text."""
+    html = pages["five moves"]
+    page = Page(html)
     addresses = [value or "" for key, value in page.attributes if key in ("src", "href", "action")]
     assert addresses
     assert all(address.startswith("#") for address in addresses)
-    links = re.findall(r"https?://[^\s\"'`]+", pages[name])
-    assert set(links) == {"http://www.w3.org/2000/svg"}
+    assert set(re.findall(r"https?://[^\s\"'`]+", html)) == {"http://www.w3.org/2000/svg"}
     assert not [key for key, _ in page.attributes if key.startswith("on") or key == "style"]
-    assert len(pages[name].encode()) < 2e6
-
-
-def test_the_policy_admits_this_script_and_style_and_no_other(pages):
-    page = Page(pages["five moves"])
+    assert len(html.encode()) < 2e6
     policy = next(value for key, value in page.attributes if key == "content" and "src" in value)
     data, script = page.raw["script"]
     (style,) = page.raw["style"]
@@ -431,14 +336,10 @@ def test_the_policy_admits_this_script_and_style_and_no_other(pages):
     assert "default-src 'none'" in policy
     assert "unsafe" not in policy
     assert json.loads(data)["plots"]
-
-
-def test_hostile_text_stays_text_in_the_page(pages):
-    page = Page(pages["five moves"])
     assert page.tags.count("script") == 2
     assert "b" not in page.tags
     assert HOSTILE in page.text
-    assert "<script>alert" not in pages["five moves"]
+    assert "<script>alert" not in html
 
 
 def test_the_page_names_each_part_once_and_describes_each_plot(pages):
@@ -456,7 +357,7 @@ def test_the_page_names_each_part_once_and_describes_each_plot(pages):
 # PDF
 
 
-@pytest.mark.parametrize("name", RECORDS)
+@pytest.mark.parametrize("name", ["unsettled", "five moves"])
 def test_every_pdf_page_carries_machine_hash_and_number(name, pdfs):
     record, texts = RECORDS[name](), pdf_pages(pdfs[name])
     assert 6 <= len(texts) <= 45
@@ -467,28 +368,6 @@ def test_every_pdf_page_carries_machine_hash_and_number(name, pdfs):
         assert squeeze(record["machine"]["name"]) in flat
         # The last one may hold the end of the profile alone.
         assert len(flat) > 250 or number == len(texts), "an almost empty page"
-
-
-def test_a_plot_at_the_foot_of_a_page_names_its_section(pdfs):
-    """It may stand below the heading of the next section, where it would be taken for its own."""
-    record = five_moves_record()
-    text = squeeze("".join(pdf_pages(pdfs["five moves"])))
-    for number in range(1, len(record["moves"]) + 1):
-        caption = ENGLISH.text("drive-caption", move=ENGLISH.text("move", number=number))
-        assert squeeze(f"{ENGLISH.text('motions-heading')} · {caption}") in text
-
-
-def test_a_split_table_leaves_no_single_row_behind():
-    """The last rows of a table are overlooked, if they stand alone overleaf."""
-    record, behind = example_record(), []
-    first = record["data"][0]
-    for count in range(43, 58, 5):
-        record["data"] = [first | {"key": f"plant.row_{k}_"} for k in range(count)]
-        found = [t for t in pdf_pages(print_pdf(record, appendix=True)) if "plant.row_" in t]
-        if len(found) == 2:
-            behind.append(found[1].count("plant.row_"))
-    assert behind, "not split: the test sees nothing"
-    assert min(behind) >= 4
 
 
 @pytest.mark.parametrize("name", RECORDS)
@@ -510,7 +389,7 @@ def expect_nothing_covered(pdf):
 
 
 def test_nothing_is_printed_outside_the_margins(pdfs):
-    for page in pypdfium2.PdfDocument(pdfs["extreme"]):
+    for page in pypdfium2.PdfDocument(pdfs["five moves"]):
         width, height = page.get_size()
         assert (round(width), round(height)) == (595, 842)
         image = np.asarray(page.render(scale=1).to_pil().convert("L"))
@@ -521,28 +400,21 @@ def test_nothing_is_printed_outside_the_margins(pdfs):
 
 def test_fonts_are_embedded_and_headings_are_bookmarks(pdfs):
     document = pypdfium2.PdfDocument(pdfs["example"])
-    titles = [mark.get_title() for mark in document.get_toc()]
-    for section in compose(example_record()).sections:
-        assert section.heading in titles
-    fonts = set()
-    for page in document:
-        for item in page.get_objects(filter=[pypdfium2.raw.FPDF_PAGEOBJ_TEXT]):
-            font = pypdfium2.raw.FPDFTextObj_GetFont(item)
-            fonts.add(bool(pypdfium2.raw.FPDFFont_GetIsEmbedded(font)))
-    assert fonts == {True}
+    titles = {mark.get_title() for mark in document.get_toc()}
+    assert {section.heading for section in compose(example_record()).sections} <= titles
+    raw = pypdfium2.raw
+    texts = (one for page in document for one in page.get_objects(filter=[raw.FPDF_PAGEOBJ_TEXT]))
+    assert all(raw.FPDFFont_GetIsEmbedded(raw.FPDFTextObj_GetFont(one)) for one in texts)
 
 
 def test_the_font_has_every_character_that_the_sheet_uses():
     folder = Path(mpl.get_data_path()) / "fonts" / "ttf"
-    known = [
-        set(FT2Font(str(folder / f"DejaVuSans{kind}.ttf")).get_charmap()) for kind in ("", "-Bold")
-    ]
+    files = [str(folder / f"DejaVuSans{kind}.ttf") for kind in ("", "-Bold")]
+    known = set.intersection(*(set(FT2Font(file).get_charmap()) for file in files))
     for make in RECORDS.values():
         document = compose(make())
         used = "".join(block_text(block) for s in document.sections for block in s.blocks)
-        used += "".join(plot.y_label for plot in plots(document) if hasattr(plot, "y_label"))
-        for characters in known:
-            assert not {c for c in used if ord(c) not in characters and c != "\n"}
+        assert not {c for c in used if ord(c) not in known and c != "\n"}
 
 
 def test_a_refusal_of_the_typesetter_is_a_named_outcome(monkeypatch, tmp_path):
@@ -556,11 +428,6 @@ def test_a_refusal_of_the_typesetter_is_a_named_outcome(monkeypatch, tmp_path):
 
 
 # languages
-
-
-def test_an_unknown_language_names_those_that_there_are():
-    with pytest.raises(InputError, match='got "xx", must be one of: en, de'):
-        print_html(example_record(), language="xx")
 
 
 @pytest.mark.parametrize("name", shipped_names())
@@ -671,36 +538,29 @@ def test_rotary_and_linear_axes_are_not_compared():
 # today's values beside the recommended ones
 
 
-def _with_today(**changes):
-    record = with_today(example_record())
-    record["limits"]["today"] |= changes
-    return record
-
-
 def test_todays_values_stand_beside_the_recommended_ones_with_what_each_gives():
     """Whoever types new values in must see what he replaces and what he gains."""
-    record = _with_today()
+    record = with_today(example_record())
     table = table_of(record, "responses", which=1)
     now, then = ([cell.replace(THIN_SPACE, " ") for cell in row] for row in table.rows[:2])
     assert now == ["Today", "2.03 m/s²", "17.1 m/s³", "310.1 ms", "45.2 µm", "61.3 µm", "no"]
     assert then[:4] == ["Recommended", "2.41 m/s²", "41.2 m/s³", "105.6 ms"]
-    told = "now 310.1 ms / 45.2 µm, then 105.6 ms / 4.582 µm"
-    page, paper = print_html(record), " ".join(pdf_pages(print_pdf(record))[:1])
-    for text in (Page(page).text, paper):
-        assert squeeze(told) in squeeze(text)
-        assert squeeze("Simulated with today's Kv; Kp, Tn, not stated") in squeeze(text)
+    page = squeeze(Page(print_html(record)).text)
+    assert squeeze("now 310.1 ms / 45.2 µm, then 105.6 ms / 4.582 µm") in page
+    assert squeeze("Simulated with today's Kv; Kp, Tn, not stated") in page
 
 
 def test_an_unstable_loop_of_today_is_said_and_has_no_numbers():
     """A number beside "today" would be taken for what the machine does."""
     unstable = said("today-unstable", Kv=31.0, Kp=9e5, Tn=0.02, corner=Message("place-nominal"))
     nothing = dict.fromkeys(("settling_time", "residual_deviation", "peak_deviation"))
-    record = _with_today(failure=unstable, **nothing)
+    record = with_today(example_record())
+    record["limits"]["today"] |= {"failure": unstable, **nothing}
     record["limits"]["warnings"] = [unstable]
     record["warnings"] = [*record["warnings"], unstable]
     blocks = compose(record).sections[0].blocks
-    sentence = ENGLISH.say(from_json(unstable))
-    assert sentence in [b.text for b in blocks if isinstance(b, Paragraph)]
+    told = [b.text for b in blocks if isinstance(b, Paragraph)]
+    assert ENGLISH.say(from_json(unstable)) in told
     assert table_of(record, "responses", which=1).rows[0][3:] == ("–", "–", "–", "no")
 
 
@@ -721,40 +581,38 @@ def test_the_reserve_counts_in_the_verdict_of_each_requirement(value, verdict):
     assert row[3:5] == (share, verdict)
 
 
+def first_page(record):
+    """Its rows by their names, and what stands below the verdict."""
+    blocks = compose(record).sections[0].blocks
+    rows = {row[0]: row[1].replace(THIN_SPACE, " ") for b in blocks if isinstance(b, Table)
+            for row in b.rows if len(row) == 2}  # fmt: skip
+    (headline,) = (block for block in blocks if isinstance(block, Headline))
+    return rows, headline.detail.replace(THIN_SPACE, " ")
+
+
 def test_the_first_page_tells_what_was_assumed_and_what_was_stated():
+    """A rest of 0 s or DSC that nobody chose decides about limits: a count of them says nothing."""
     record = example_record()
-
-    def rows():
-        found = dict((*basis_rows(record, ENGLISH), *holds_rows(record, ENGLISH)))
-        return {name: row.replace(THIN_SPACE, " ") for name, row in found.items()}
-
-    assert rows()["Control"].startswith(
-        "free controller (state space), SI values (assumed); position loop in the control, every 2"
-    )
-    assert not rows()["Control"].endswith("(assumed)")  # of the loop all is stated
-    assert rows()["Frequencies"] == "judged at ± 5.2 %; all kept from −1 % to +1 %"
+    rows, _ = first_page(record)
+    assert rows["Control"].startswith("free controller (state space), SI values (assumed)")
+    assert not rows["Control"].endswith("(assumed)")  # of the loop all is stated
+    assert rows["Frequencies"] == "judged at ± 5.2 %; all kept from −1 % to +1 %"
     damping = "judged as stated, no spread; all kept from −39 % to at least +70 %"
-    assert rows()["Damping ratios"] == damping
+    assert rows["Damping ratios"] == damping
     spread = next(item for item in record["data"] if item["key"].endswith("frequency_spread"))
     spread["source"] = said("source-default")
     record["robustness"]["frequency_error"] |= {"kept_from": None, "kept_to": None}
-    kept = "requirements not kept even as stated"
-    assert rows()["Frequencies"] == f"judged at ± 5.2 % (assumed); {kept}"
-
-
-def test_the_first_page_names_every_default_with_its_value():
-    """A rest of 0 s or DSC that nobody chose decides about limits: a count of them says nothing."""
-    record = example_record()
     record["data"] += [
         {"key": key, "value": value, "unit": unit, "source": said(source)}
         for key, value, unit, source in (
             ("control.position_loop", "drive", "", "source-default"),
-            ("control.position_cycle", 2e-3, "s", "source-stated"),
             ("moves[1].dwell", 0.0, "s", "source-accepted-default"),
         )
     ]
-    rows = dict((*basis_rows(record, ENGLISH), *assumed_rows(record, ENGLISH)))
-    assert rows["Assumed"] == f"Move\N{NO-BREAK SPACE}1: Dwell = 0{THIN_SPACE}s"
+    rows, _ = first_page(record)
+    kept = "requirements not kept even as stated"
+    assert rows["Frequencies"] == f"judged at ± 5.2 % (assumed); {kept}"
+    assert rows["Assumed"] == "Move 1: Dwell = 0 s"
     assert rows["Control"].endswith("(assumed: Place of the position loop)")
 
 
@@ -764,21 +622,15 @@ def test_an_assumed_value_that_binds_is_named_with_what_another_would_give():
     record["limits"]["recommended"]["bound_by"] = said("requirement-rms-force")
     dwell = {"key": "moves[1].dwell", "value": 0.0, "unit": "s", "source": "stated by somebody"}
     record["data"].append(dwell)
-    assert "assumed value" not in headline(record, Message("export-ceiling"), ENGLISH).detail
+    assert "assumed value" not in first_page(record)[1]
     dwell["source"] = said("source-accepted-default")
-    assert (
-        "assumed value (Move\N{NO-BREAK SPACE}1: Dwell): state it."
-        in headline(record, Message("export-ceiling"), ENGLISH).detail
-    )
     change = said("change-dwell", dwell=2.0, acceleration=3.47)
     record["limits"]["would_bring"] = [
         {"name": "dwell", "change": change, "settling_time": 0.513, "saved": 0.2, "share": 0.3,
          "meets_requirements": True, "outcome": ""}
     ]  # fmt: skip
-    detail = headline(record, Message("export-ceiling"), ENGLISH).detail.replace(THIN_SPACE, " ")
-    assert (
-        "(Move\N{NO-BREAK SPACE}1: Dwell). Rest of 2 s or more after each move: 3.47 m/s²" in detail
-    )
+    detail = first_page(record)[1]
+    assert "assumed value (Move 1: Dwell). Rest of 2 s or more after each move: 3.47" in detail
     assert "513 ms" in detail
 
 
