@@ -26,7 +26,6 @@ from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.record.limits import limits_answer
 from mtcommission.record.record import Record
 from mtcommission.record.shape import dump_json, find_checksum, to_entry, to_plain
-from mtcommission.study.attainable import NO_LIMITS
 
 Json = dict[str, Any]
 
@@ -111,9 +110,12 @@ def _quote(record: Json) -> None:
             _datum("moves[1].velocity_step", 0.102, "m/s"),
             _datum("requirements.tcp_deviation", 5.1e-6, "m"),
             _datum("requirements.frequency_spread", 0.052, "-"),
+            _datum("requirements.reserve.band", 0.93, "-"),
+            _datum("requirements.reserve.force", 0.97, "-"),
             _datum("requirements.peaks.v_phi", 0.0053, "SI"),
         ],
     }
+    record["machine"]["source"] = "Table 1"
     mode = {"name": "base", "frequency_hz": 50.03, "damping_ratio": 0.0301}
     record["plant"]["modes"] = [record["plant"]["modes"][0] | mode]
     (check, *_) = record["assessment"]["checks"]
@@ -142,7 +144,6 @@ def _quote(record: Json) -> None:
     loop |= {
         "Kv": 42.79,
         "motion_force": 2010.0,
-        "state_feedback": {"v_b": 1236.4},
         "mode_damping": {"base": 0.2075},
         "worst_mode_damping": {"base": 0.2075},
         "force_filters": [

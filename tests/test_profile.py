@@ -374,18 +374,20 @@ kind = "manipulator"\nbase_mass = "450 kg"  ->  base_mass = "450 m"
   6: plant.kind: missing; add kind = "manipulator", to which the other keys belong
   7: plant.base_mass: got "450 m", which is a length; must be a mass, in kg, g or t
 "2 kN"  ->  0,25
-  19: TOML syntax: Expected newline or end of document after a statement; mend this line or the
-    one above: texts and values with a unit stand in quotes, numbers take a point, and a key
-    stands once
+  19: no TOML: max_force = 0,25 ; mend this line or the one above: texts and values with a unit
+    stand in quotes, numbers take a point, brackets are closed, and a key stands once
 "2 kN"  ->  "2 kN
-  19: TOML syntax: Illegal character '\n'; mend this line or the one above: texts and values
-    with a unit stand in quotes, numbers take a point, and a key stands once
+  19: no TOML: max_force = "2 kN ; mend this line or the one above: texts and values with a unit
+    stand in quotes, numbers take a point, brackets are closed, and a key stands once
 "2 kN"  ->  ["2 kN"
-  20: TOML syntax: Unclosed array; mend this line or the one above: texts and values with a unit
-    stand in quotes, numbers take a point, and a key stands once
+  20: no TOML: [[moves]] ; mend this line or the one above: texts and values with a unit stand
+    in quotes, numbers take a point, brackets are closed, and a key stands once
+"2 kN"  ->  “2 kN”
+  19: no TOML: max_force = “2 kN” ; mend this line or the one above: texts and values with a
+    unit stand in quotes, numbers take a point, brackets are closed, and a key stands once
 "2 kN"  ->  "2 kN"\nmax_force = 2
-  20: TOML syntax: Cannot overwrite a value; mend this line or the one above: texts and values
-    with a unit stand in quotes, numbers take a point, and a key stands once
+  20: no TOML: max_force = 2 ; mend this line or the one above: texts and values with a unit
+    stand in quotes, numbers take a point, brackets are closed, and a key stands once
 "5 um"  ->  "5 um"\n[control]\nkind = "fluidnc"\nstate_feedback = "auto"\njerk_feedforward = 1\nreference_delay = "1 ms"\ntcp_sensor = "position"\nposition_loop = "control"\nsetpoint_filter = { kind = "moving_average", time = "20 ms" }\nforce_filters = [{ kind = "notch", frequency = "72 Hz", damping = 0.1 }]
   26: control.state_feedback: kind = "fluidnc" cannot feed states back; write "off", or kind =
     "state-space" for a free controller

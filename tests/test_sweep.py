@@ -623,7 +623,14 @@ addEventListener("load", () => {
 });
 """
 
-CASES = "f_max,plant.base_stiffness\n1 kN,40N/um\n9kN,45N/um\n3 kN,45N/um\n-1,40N/um\n"
+CASES = """\
+f_max,plant.base_stiffness
+1 kN,40N/um
+9 kN,45N/um
+3 kN,45N/um
+100,0N/um
+300,45N/um
+"""
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="needs the browser chromium")
@@ -648,10 +655,11 @@ def test_page_in_a_browser(tmp_path: Path, scheme: int, paper: str, is_bright: b
     assert (seen["x"], seen["log"]) == ("drive.max_force", True)
     assert seen["names"] == ["Max force [kN]", "Base stiffness [MN/m]"]
     assert seen["labels"] == ["2", "1.99995"]
-    assert seen["sorted"] == ["1", "2", "0", "3"], "by F_max, down"
+    assert seen["sorted"] == ["1", "2", "0", "4", "3"], "by F_max, down"
     expected = vary_profile(TEXT, plan.settings(1), where="p")
     assert parse_profile(seen["profile"], where="p") == parse_profile(expected, where="p")
-    assert seen["drawn"] == len(data_of(page)["plotted"]) + 1
+    # One for each column, and two of several columns at once.
+    assert seen["drawn"] == len(data_of(page)["plotted"]) + 2
     assert seen["paper"] == paper
     assert (seen["brightest"] > 140) == is_bright
 

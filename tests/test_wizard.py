@@ -389,7 +389,7 @@ def test_missing_answers_are_named_all_at_once(tmp_path: Path) -> None:
         # Seen only when both are known, by the reader of the whole profile.
         ('"100 N"', '"100 N"\nstatic_load = "200 N"', "m.in:11: drive.static_load: got"),
         ("max_force =", "maxforce =", 'did you mean "drive.max_force"'),
-        ('"30 Hz"', '"30 Hz', "m.in:8: TOML syntax: "),
+        ('"30 Hz"', '"30 Hz', "m.in:8: no TOML: "),
         ("motor_mass", "motor", 'did you mean "pair.motor_mass"'),
     ],
 )
