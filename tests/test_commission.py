@@ -23,8 +23,7 @@ from mtcommission.machine.profile.shipped import read_shipped, shipped_names
 from mtcommission.record.limits import LimitsAnswer
 from mtcommission.record.record import Record, load_record
 from mtcommission.record.shape import to_entry, to_plain
-from tests.recorded_loop import Motion as Seen
-from tests.recorded_loop import judge_record, setpoint_of, simulate_record
+from tests.independent_loop import Run, judge, profile_of_record, simulate_record
 from tests.sheet_record import Json, run_of
 
 

@@ -281,7 +281,7 @@ FAULTS = r"""
 "450 kg"  ->  nan
   8: plant.base_mass: got nan, must be a finite number
 "450 kg"  ->  true
-  8: plant.base_mass: got true, must be a mass, in kg, g or t
+  8: plant.base_mass: got true, must be in kg, g or t
 "450 kg"  ->  4.5e9
   8: plant.base_mass: got 4.5e+09 kg, must be from 0.001 to 1e+06 kg; check the unit
 base_mass =  ->  # base_mass =
@@ -369,10 +369,10 @@ name = "m"  ->  name = 7
 kind = "manipulator"\nbase_mass = "450 kg"  ->  kind = "manipulater"\nbase_mass = "450 m"
   7: plant.kind: got "manipulater", must be "manipulator" or "modal"; did you mean
     "manipulator"?
-  8: plant.base_mass: got "450 m", which is a length; must be a mass, in kg, g or t
+  8: plant.base_mass: got "450 m"; must be in kg, g or t
 kind = "manipulator"\nbase_mass = "450 kg"  ->  base_mass = "450 m"
   6: plant.kind: missing; add kind = "manipulator", to which the other keys belong
-  7: plant.base_mass: got "450 m", which is a length; must be a mass, in kg, g or t
+  7: plant.base_mass: got "450 m"; must be in kg, g or t
 "2 kN"  ->  0,25
   19: no TOML: max_force = 0,25 ; mend this line or the one above: texts and values with a unit
     stand in quotes, numbers take a point, brackets are closed, and a key stands once
@@ -406,15 +406,14 @@ kind = "manipulator"\nbase_mass = "450 kg"  ->  base_mass = "450 m"
 "5 um"  ->  "5 um"\n[control]\nkind = "fluidnc"\n[today]\nacceleration = 1\njerk = 10
   28: today.jerk: kind = "fluidnc" limits no jerk, so none can be set today; remove the key
 "5 um"  ->  "5 um"\n[control]\nposition_gain = "5 kg"\nsetpoint_filter = { kind = "fir", taps = [0.5, 0.4], frequency = "1 m", zzz = 1 }\n[today]\nacceleration = 1\njerk = "1 kg"\nsetpoint_filter = { kind = "moving_average", damping = 7 }
-  25: control.position_gain: got "5 kg", which is a mass; must be a position gain, in 1/s or
-    (m/min)/mm
+  25: control.position_gain: got "5 kg"; must be in 1/s or (m/min)/mm
   26: control.setpoint_filter.spacing: missing: a filter with kind = "fir" needs it
   26: control.setpoint_filter.frequency: means nothing to a filter with kind = "fir": remove it
   26: control.setpoint_filter.zzz: unknown key; there are kind, time, second_time, frequency,
     damping, taps, spacing
   26: control.setpoint_filter.taps: got taps whose sum is 0.9, must be 1, or the axis would not
     arrive where it should: divide each by the sum
-  29: today.jerk: got "1 kg", which is a mass; must be a jerk, in m/s^3 or mm/s^3
+  29: today.jerk: got "1 kg"; must be in m/s^3 or mm/s^3
   30: today.setpoint_filter.time: missing: a filter with kind = "moving_average" needs it
   30: today.setpoint_filter.damping: means nothing to a filter with kind = "moving_average":
     remove it

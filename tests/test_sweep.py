@@ -290,7 +290,7 @@ def test_a_failing_case_is_a_row_with_its_outcome(tmp_path: Path) -> None:
     table = read_table(plan, run_sweep(plan, folder=tmp_path))
     bad, good = "wrong_input", "done"
     assert table.frame["outcome"].to_list() == [good, good, bad, bad, good]
-    assert "which is a mass" in table.frame["message"][2]
+    assert "must be in N, kN or MN" in table.frame["message"][2]
     assert "must be > 0 N" in table.frame["message"][3]
     assert table.frame["t_f"].is_null().to_list() == [False, False, True, True, False]
     assert (table.done, table.is_met) == (3, False)

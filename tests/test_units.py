@@ -127,10 +127,10 @@ MEANT_KG = ' (did you mean "kg"?)' + MUST_BE_MASS
     [
         ("5 Kg", 'got "5 Kg": unknown unit "Kg"' + MEANT_KG),
         ("5 lbs", 'got "5 lbs": unknown unit "lbs" (1 lb = 0.45359237 kg)' + MUST_BE_MASS),
-        ("5 kgs", 'got "5 kgs", which is a quantity in kg s' + MEANT_KG),
+        ("5 kgs", 'got "5 kgs"' + MEANT_KG),
         ("2,5 kg", 'got "2,5 kg" with a comma; write it with a point: "2.5 kg"'),
         ("1,000,000 kg", 'got "1,000,000 kg"; write the number without thousands separators'),
-        ("-inf kg", 'got "-inf kg", must be a finite number' + MUST_BE_MASS),
+        ("-inf kg", 'got "-inf kg", must be a finite number'),
         ("1e308 t", 'got "1e308 t", must be a finite number'),
         ("", 'got "", which does not begin with a number' + MUST_BE_MASS),
         ("5 (kg", f'got "5 (kg": "(kg" {NO_UNIT}' + MEANT_KG),
@@ -146,10 +146,10 @@ def test_a_slip_is_named_with_its_remedy(text: str, message: str) -> None:
 @pytest.mark.parametrize(
     ("text", "dimension", "wanted"),
     [
-        ("20 mm", ANGLE, "a length", "an angle, in rad, mrad, deg, arcsec or rev"),
-        ("5 Nm", FORCE, "a torque", "a force, in N, kN or MN"),
-        ("5 N/m", ROTARY_STIFFNESS, "a stiffness", "a rotary stiffness, in N m/rad"),
-        ("5 1/s", PER_INERTIA, "a frequency", "a gain per inertia, in 1/(kg m^2)"),
+        ("20 mm", ANGLE, "rad, mrad, deg, arcsec or rev"),
+        ("5 Nm", FORCE, "N, kN or MN"),
+        ("5 N/m", ROTARY_STIFFNESS, "N m/rad"),
+        ("5 1/s", PER_INERTIA, "1/(kg m^2)"),
     ],
 )
 def test_a_unit_of_another_quantity_is_refused(

@@ -413,7 +413,7 @@ def test_limits_opens_the_page_and_its_command_line_gives_its_numbers(
         ("--filter", "hum:4", "--filter: got hum:4, must be one of: none, 8ms"),
         ("--filter", "moving_average:99s", "--filter: "),
         ("--move", "0", "--move: got 0, the profile has moves 1 to"),
-        ("--size", "3kg", '--size: got "3kg", which is a mass'),
+        ("--size", "3kg", '--size: got "3kg"'),
         ("--payload", "-3", "--payload: got -3, must be 0 to 1000000"),
         ("--frequency-error", "80%", "--frequency-error: got 80%, must be -0.5 to 0.5"),
     ],
