@@ -193,7 +193,7 @@ def unsettled_record() -> Json:
     limits["attainable"] = [
         missed
         | {"requirement": "settling time", "value": 0.2313, "together_with": []}
-        | {"acceleration": 0.9, "jerk": 11.0}
+        | {"limits": {"acceleration": 0.9, "jerk": 11.0, "setpoint_filter": None}}
     ]
     check = missed | {"name": "settling time", "value": None, "reserve": 1.0, "met": False}
     record["assessment"] = {
@@ -332,8 +332,7 @@ def not_met(record: Json) -> Json:
             "limit": limit,
             "value": 1.3 * limit,
             "unit": unit,
-            "acceleration": 0.9,
-            "jerk": 11.0,
+            "limits": {"acceleration": 0.9, "jerk": 11.0, "setpoint_filter": None},
             "together_with": [],
         }
         for name, limit, unit in (("residual deviation", 5e-6, "m"), ("settling time", 0.1, "s"))

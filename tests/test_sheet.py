@@ -626,8 +626,8 @@ def test_an_assumed_value_that_binds_is_named_with_what_another_would_give():
     dwell["source"] = said("source-accepted-default")
     change = said("change-dwell", dwell=2.0, acceleration=3.47)
     record["limits"]["would_bring"] = [
-        {"name": "dwell", "change": change, "settling_time": 0.513, "saved": 0.2, "share": 0.3,
-         "meets_requirements": True, "outcome": ""}
+        {"change": change, "settling_time": 0.513, "saved": 0.2, "share": 0.3,
+         "meets_requirements": True, "outcome": None}
     ]  # fmt: skip
     detail = first_page(record)[1]
     place = "Move\N{NO-BREAK SPACE}1"

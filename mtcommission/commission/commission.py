@@ -24,6 +24,7 @@ from mtcommission.limits.optima import (
 )
 from mtcommission.loop.disturbance import DisturbanceStep
 from mtcommission.loop.tuning.tuned import TunedLoop
+from mtcommission.machine.identified import ToolSensor
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.plant.plant import Plant
 from mtcommission.machine.profile.read import ProfileSource
@@ -35,7 +36,6 @@ from mtcommission.study.attainable import (
 )
 from mtcommission.study.improvements import (
     Improvement,
-    ToolSensor,
     find_improvements,
     value_tool_sensor,
 )

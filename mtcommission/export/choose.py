@@ -29,8 +29,8 @@ from mtcommission.export.held import (
 )
 from mtcommission.export.subject import Subject
 from mtcommission.limits.judge import Candidate
-from mtcommission.record.limits import ModeLimitsEntry
 from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.study.attainable import ModeLimits
 
 SHARES = tuple(1.0 - 1e-3 * n for n in (0, 1, 2, 4, 8, 16, 32, 64))
 """Shares of each recommended limit that are tried."""
@@ -104,7 +104,7 @@ def choose_limits(
     held: Held,
     rows: Sequence[Row],
     *,
-    mode: ModeLimitsEntry | None = None,
+    mode: ModeLimits | None = None,
     shapers: Sequence[Values] = (),
 ) -> Chosen:
     """Return the limits to type in.
@@ -154,7 +154,7 @@ def choose_limits(
 
 
 def _tried(
-    subject: Subject, forms: set[Setting], mode: ModeLimitsEntry | None
+    subject: Subject, forms: set[Setting], mode: ModeLimits | None
 ) -> Iterator[MotionLimits]:
     """The limits on the safe side, the nearest first."""
     a, j = subject.limits.acceleration, subject.limits.jerk

@@ -14,10 +14,10 @@ from mtcommission.controls.wording import name_control, show_value, to_ascii
 from mtcommission.export.held import Judged
 from mtcommission.export.subject import Subject
 from mtcommission.limits.judge import Candidate
-from mtcommission.record.limits import ModeLimitsEntry
 from mtcommission.record.machine import ACCEPTED_DEFAULT, Profile
 from mtcommission.record.record import Record, Tool
 from mtcommission.record.shape import Words
+from mtcommission.study.attainable import ModeLimits
 
 
 def compose_header(
@@ -125,7 +125,7 @@ def say_modes_left_out(subject: Subject, judged: Judged) -> Iterator[Message]:
         yield Message("export-mode-left-out", why=_explain(subject, mode))
 
 
-def _explain(subject: Subject, mode: ModeLimitsEntry) -> Message:
+def _explain(subject: Subject, mode: ModeLimits) -> Message:
     """Why a machining mode is left out, with its band and the one that could be met."""
     band, attainable = (
         None if value is None else show_value(value, subject.length)

@@ -27,9 +27,9 @@ from mtcommission.machine.control import Control, ForceFilter, StateFeedback
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.readers import SignalValue
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
-from mtcommission.record.limits import ModeLimitsEntry
 from mtcommission.record.read_back import close_as_held
 from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.study.attainable import ModeLimits
 
 ALWAYS = {
     Setting.POSITION_CYCLE: "position_cycle",
@@ -59,7 +59,7 @@ class Held:
         """Return the limits of a machining mode; "" for the recommendation."""
         return read_limits(self.values, mode)
 
-    def judge(self, limits: MotionLimits, mode: ModeLimitsEntry | None = None) -> Candidate:
+    def judge(self, limits: MotionLimits, mode: ModeLimits | None = None) -> Candidate:
         """Return what limits do in every corner, with the band of a machining mode."""
         machine = self.machine
         if mode is not None:
@@ -74,7 +74,7 @@ class Judged:
 
     held: Held  # the loop that it makes
     verdict: Candidate  # of the recommendation
-    left_out: tuple[ModeLimitsEntry, ...]  # machining modes whose band no limits meet
+    left_out: tuple[ModeLimits, ...]  # machining modes whose band no limits meet
     lost_margins: Message | None  # where they are poor and those of the record were not
     is_met: bool  # whether all requirements are kept in every corner, and the record's margins
 

@@ -24,7 +24,6 @@ from mtcommission.group.judged import (
 from mtcommission.group.task import Task
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.record.limits import (
-    ModeLimitsEntry,
     RecommendedEntry,
     TodayEntry,
     recommended_entry,
@@ -43,6 +42,7 @@ from mtcommission.record.moves import AssessmentPart
 from mtcommission.record.read_back import close_as_held, read_held
 from mtcommission.record.record import Tool, load_sealed, this_tool
 from mtcommission.record.shape import Words, entry_of, find_checksum, finite_or_none, to_plain
+from mtcommission.study.attainable import ModeLimits
 from mtcommission.study.loops import disturb
 
 SCHEMA = 4
@@ -59,7 +59,7 @@ class AxisLimits:
     today: TodayEntry | None  # what the control holds now; None: not stated
 
     @property
-    def modes(self) -> list[ModeLimitsEntry]:
+    def modes(self) -> list[ModeLimits]:
         """Limits by machining mode: a group has none."""
         return []
 

@@ -128,3 +128,12 @@ class Identification:
         key="calibrate_shaper",
         default=(),
     )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ToolSensor:
+    """What measuring at the tool could free at most."""
+
+    modes: tuple[str, ...]  # those whose share at the tool was assumed
+    settling_time: float | None  # with the recommended limits [s]; None: not all are met
+    least: float | None  # with limits for a tool at rest there [s]; None: not even then

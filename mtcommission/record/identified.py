@@ -15,6 +15,7 @@ from mtcommission.machine.identified import (
     MeasuredFile,
     MeasuredMode,
     ShaperProposal,
+    ToolSensor,
 )
 from mtcommission.machine.machine import Machine, Motion
 from mtcommission.record.shape import (
@@ -78,15 +79,6 @@ class RecordCheckEntry:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ToolSensorEntry:
-    """What a sensor at the tool could free: the settling time where the modes stand still there."""
-
-    modes: list[str]  # whose share at the tool was assumed
-    settling_time: float | None
-    least: float | None  # None: no limits meet the requirements even then
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class IdentifiedPart:
     """What was measured on the axis.
 
@@ -110,7 +102,7 @@ class IdentifiedPart:
     checks: list[RecordCheckEntry]
     warnings: list[Message]
     responses: list[MeasuredResponseEntry]
-    tool_sensor: ToolSensorEntry | None = None
+    tool_sensor: ToolSensor | None = None
     proposals: list[ShaperProposal] = field(default_factory=list)
 
 

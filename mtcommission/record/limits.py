@@ -23,7 +23,8 @@ from mtcommission.record.moves import Array, AssessmentPart, describe_move, roun
 from mtcommission.record.shape import Words, entry_of, of
 from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT
 from mtcommission.setpoint.smaller_moves import size_of
-from mtcommission.study.attainable import ModeLimits
+from mtcommission.study.attainable import Attainable, ModeLimits
+from mtcommission.study.improvements import Improvement
 from mtcommission.study.loops import describe_loop
 from mtcommission.study.robustness import KeptRange
 from mtcommission.study.rules import TodaysValues
@@ -153,39 +154,9 @@ class RuleText:
     average: float = of("best.average")
     chosen: Words = of("best.name")
     bound_by: Words = of("best.bound_by")
-    predicted_settling_time: float | None
     predicted_residual: float | None = of("best.residual_deviation")
     steps: list[RuleStep]
     warnings: list[Words]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ModeLimitsEntry:
-    """Limits for one machining mode, from a band of its own; None where none meet all with it."""
-
-    name: str
-    band: float
-    acceleration: float | None = of("candidate.limits.acceleration")
-    jerk: float | None = of("candidate.limits.jerk")
-    jerk_time: float | None = of("candidate.limits.jerk_time")
-    settling_time: float | None = of("candidate.settling_time")
-    residual_deviation: float | None = of("candidate.residual_deviation")
-    peak_deviation: float | None = of("candidate.peak_deviation")
-    meets_requirements: bool = of("candidate.assessment.is_met")
-    attainable: float | None  # the band that could be asked for instead
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class AttainableEntry:
-    """A requirement that stands in the way: ``value`` could be met instead, by these limits."""
-
-    requirement: str  # named as in the verdict's checks
-    limit: float
-    value: float
-    unit: str
-    acceleration: float = of("limits.acceleration")
-    jerk: float = of("limits.jerk")
-    together_with: list[str]  # what must give way, too, where none helps alone
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -212,33 +183,20 @@ class MoveSizesEntry:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ImprovementEntry:
-    """What a single change would bring; ``outcome`` says why it has no number, or is not judged."""
-
-    name: str = of(lambda one: one.change.kind.removeprefix("change-"))
-    change: Words
-    settling_time: float | None
-    saved: float | None  # of the settling time
-    share: float | None  # the same relative to that of the recommendation [-]
-    meets_requirements: bool
-    outcome: Words = of(lambda one: one.outcome or "")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class LimitsPart:
     """All about the limits."""
 
     recommended: LimitsEntry
     listed_only: ListedEntry | None  # None: the listed sizes alone count anyway, or none are met
     today: TodayEntry | None  # None: the profile does not state the values now in the control
-    modes: list[ModeLimitsEntry]
-    attainable: list[AttainableEntry]  # empty: all are met, or no single one is the obstacle
+    modes: list[ModeLimits]
+    attainable: list[Attainable]  # empty: all are met, or no single one is the obstacle
     move_sizes: list[MoveSizesEntry]
     alternatives: list[Alternative]
     rules: list[Alternative]
     rule: RuleText
     warnings: list[Words]  # part of the record's warnings, too
-    would_bring: list[ImprovementEntry]
+    would_bring: list[Improvement]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -287,12 +245,8 @@ def limits_part(found: Commissioning) -> LimitsPart:
         listed_only=listed
         and entry_of(ListedEntry, listed, valid_for=_sizes(machine, every=False)),
         today=today and today_entry(machine, today),
-        modes=[_mode_entry(mode) for mode in found.modes],
         warnings=[*choice.warnings, *_failure(today)],
-        would_bring=[
-            entry_of(ImprovementEntry, item, share=item.saved / found.recommended.settling_time)
-            for item in found.improvements
-        ],
+        would_bring=found.improvements,
     )
 
 
@@ -335,14 +289,4 @@ def today_entry(machine: Machine, found: TodaysValues) -> TodayEntry:
         keeps_reserve=verdict is not None and verdict.keeps_reserve,
         valid_for=_sizes(machine, every=is_met),
         **({} if judged else dict.fromkeys(REACHED)),
-    )
-
-
-def _mode_entry(mode: ModeLimits) -> ModeLimitsEntry:
-    is_met, found = mode.candidate.assessment.is_met, mode.attainable
-    return entry_of(
-        ModeLimitsEntry,
-        mode,
-        attainable=found.value if found else None,
-        **({} if is_met else dict.fromkeys(("acceleration", "jerk", "jerk_time", *REACHED))),
     )

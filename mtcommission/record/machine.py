@@ -13,7 +13,7 @@ from mtcommission.machine.identified import Identification
 from mtcommission.machine.keys import list_quantities
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.mechanics import SOURCE
-from mtcommission.machine.plant.plant import Plant, kalman_rank
+from mtcommission.machine.plant.plant import Plant
 from mtcommission.machine.profile.read import find_key_lines
 from mtcommission.machine.readers import KeyPath, show_key
 from mtcommission.record.shape import Matrix, Words, of
@@ -96,7 +96,6 @@ class PlantEntry:
         lambda plant: dict(zip(plant.outputs, plant.C, strict=True))
     )
     modes: list[ModeEntry]
-    controllability_rank: int = of(kalman_rank)
     moving_mass: float
 
 

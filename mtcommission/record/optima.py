@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
@@ -53,10 +53,8 @@ class ProofEntry:
     t_f_lower_bound: float | None = None
     relative_gap: float | None = None
     adjoint_initial: dict[str, float]
-    switching_slopes: list[float] = field(default_factory=list)
     switching_law_holds: bool | None = None
     terminal_jacobian_rank: int | None = None
-    terminal_jacobian_condition: float | None = None
     law_residual: float | None = None
 
 
@@ -76,18 +74,9 @@ class OptimumEntry:
     peaks: dict[str, float]
     terminal_error: dict[str, float]
     cost: float | None
-    cost_terms: dict[str, float]
     weights: dict[str, float]
     certificate: ProofEntry
     series: Series
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ForceSegment:
-    """A set force and how long it acts."""
-
-    duration: float = of("length")
-    force: float = of(lambda arc: arc.output @ arc.initial)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -96,12 +85,7 @@ class BandEntry:
 
     t_f: float
     band: float
-    offset: float  # from where the tool comes to rest to the reference
-    segments: list[ForceSegment] = of("arcs")
     lower_bound: float  # proved; 0: nothing is
-    gap: float  # between that and t_f, relative to t_f
-    machines: int  # of the spread, all of which keep the band
-    peak: float  # largest deviation afterwards, over those machines
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -137,7 +121,7 @@ def optimum_entry(plant: Plant, solution: AnyOptimum) -> OptimumEntry:
     if isfinite(solution.jerk_limit):
         limits["jerk"] = solution.jerk_limit
     weights = {item.name: item.value for item in solution.weights}
-    proof, is_timed, arcs = solution.certificate, solution.kind == "time", join_arcs(solution.arcs)
+    proof, arcs = solution.certificate, join_arcs(solution.arcs)
     adjoint = by_name(plant.states, proof.adjoint_initial)
     rank = proof.terminal_jacobian_rank if isinstance(proof, Certificate) else -1
     return entry_of(
@@ -156,5 +140,4 @@ def optimum_entry(plant: Plant, solution: AnyOptimum) -> OptimumEntry:
         ),
         series=series_of(plant, motion.t, motion.states, {"F_set": motion.force}),
         weights=weights,
-        cost_terms={} if is_timed else by_name(("F_set", *weights), solution.cost_terms),
     )

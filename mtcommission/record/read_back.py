@@ -22,13 +22,14 @@ from mtcommission.machine.machine import Machine
 from mtcommission.machine.plant.plant import Plant
 from mtcommission.machine.profile.read import parse_profile
 from mtcommission.machine.readers import SignalValue
-from mtcommission.record.limits import JudgedLimits, ModeLimitsEntry, RecommendedEntry
+from mtcommission.record.limits import JudgedLimits, RecommendedEntry
 from mtcommission.record.loop import LoopPart
 from mtcommission.record.machine import Datum, MachineEntry, PlantEntry, Profile
 from mtcommission.record.moves import AssessmentPart
 from mtcommission.record.record import FORCE_LIMITS, Record
 from mtcommission.record.shape import WrongFormError, fault, load_json, to_entry
 from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.study.attainable import ModeLimits
 
 VERDICTS = ("holds", "does not hold", "cannot tell")
 
@@ -39,7 +40,7 @@ class AxisLimits(Protocol):
     @property
     def recommended(self) -> RecommendedEntry: ...  # noqa: D102
     @property
-    def modes(self) -> list[ModeLimitsEntry]: ...  # noqa: D102
+    def modes(self) -> list[ModeLimits]: ...  # noqa: D102
 
 
 class AxisRecord(Protocol):

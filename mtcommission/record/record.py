@@ -20,7 +20,7 @@ from mtcommission.base.messages.message import STEERING, Message
 from mtcommission.loop.model.assembly import CrossCheck
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.checks import check_plausibility
-from mtcommission.record.identified import IdentifiedPart, ToolSensorEntry, read_evidence
+from mtcommission.record.identified import IdentifiedPart, read_evidence
 from mtcommission.record.limits import LimitsPart, limits_part
 from mtcommission.record.loop import LoopPart, WhatIfPart, loop_part, what_if_part
 from mtcommission.record.machine import (
@@ -138,7 +138,7 @@ def build_record(
     machine, plant, tuned, moves = found.machine, found.plant, found.tuned, found.moves
     robustness, limits, freed = found.robustness, limits_part(found), found.tool_sensor
     if identified and freed:
-        identified = replace(identified, tool_sensor=entry_of(ToolSensorEntry, freed))
+        identified = replace(identified, tool_sensor=freed)
     record = Record(
         schema=SCHEMA,
         checksum="",

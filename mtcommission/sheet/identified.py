@@ -13,11 +13,10 @@ from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.base.messages.quantities import motion_unit
 from mtcommission.machine.checks import say_filter
-from mtcommission.machine.identified import Estimate, MeasuredMode
+from mtcommission.machine.identified import Estimate, MeasuredMode, ToolSensor
 from mtcommission.record.identified import (
     IdentifiedPart,
     MeasuredResponseEntry,
-    ToolSensorEntry,
 )
 from mtcommission.record.machine import ModeEntry
 from mtcommission.sheet.document import (
@@ -337,7 +336,7 @@ def _beside_klipper(part: IdentifiedPart, record: Record, words: Catalogue) -> I
     yield table(words, "identified-klipper-simulated", columns, simulated)
 
 
-def _tool_sensor(one: ToolSensorEntry, words: Catalogue) -> Paragraph:
+def _tool_sensor(one: ToolSensor, words: Catalogue) -> Paragraph:
     named, now, least = {"modes": ", ".join(one.modes)}, one.settling_time, one.least
     if now is None or least is None:
         met = "no" if least is None else "yes"

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.machine.checks import say_filter, say_jerk
-from mtcommission.record.limits import Alternative, LimitsPart, ListedEntry, ModeLimitsEntry
+from mtcommission.record.limits import Alternative, LimitsPart, ListedEntry
 from mtcommission.record.machine import ModeEntry
 from mtcommission.record.shape import Words
 from mtcommission.sheet.document import (
@@ -32,6 +32,7 @@ from mtcommission.sheet.tables import (
     table,
 )
 from mtcommission.sheet.verdict import find_band, find_number
+from mtcommission.study.attainable import ModeLimits
 
 if TYPE_CHECKING:
     from mtcommission.record.record import Record
@@ -118,10 +119,10 @@ def _listed_name(listed: ListedEntry, part: LimitsPart, words: Catalogue) -> str
 def limits_by_mode(record: Record, words: Catalogue) -> Iterator[Block]:
     """Yield the limits after the usual machining modes."""
 
-    def name(mode: ModeLimitsEntry) -> str:
+    def name(mode: ModeLimits) -> str:
         return words.known(f"machining-{mode.name}", mode.name)
 
-    def jerk(mode: ModeLimitsEntry) -> str | None:
+    def jerk(mode: ModeLimits) -> str | None:
         if mode.acceleration is None:
             return None
         return say_jerk(mode.acceleration, mode.jerk, record.loop.shortest_ramp, words)

@@ -12,7 +12,7 @@ import numpy as np
 
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
-from mtcommission.record.limits import ImprovementEntry, MoveSizesEntry
+from mtcommission.record.limits import MoveSizesEntry
 from mtcommission.record.moves import MoveEntry, Series
 from mtcommission.record.optima import OptimaEntry, OptimumEntry
 from mtcommission.record.record import Record
@@ -39,6 +39,7 @@ from mtcommission.sheet.tables import (
     table,
 )
 from mtcommission.sheet.verdict import find_band, move_title, reference_sentence, slowest_move
+from mtcommission.study.improvements import Improvement
 
 MOST_CHANGES = 5
 """Changes that are listed; those that bring less are named."""
@@ -116,7 +117,7 @@ def _improvements(record: Record, words: Catalogue) -> Iterator[Block]:
     gains = [item for item in found if not item.outcome][:MOST_CHANGES]
     rest = [words.say(item.change) for item in found if item not in gains]
 
-    def share(item: ImprovementEntry) -> str | None:
+    def share(item: Improvement) -> str | None:
         return None if item.share is None else words.format.signed_percent(-item.share)
 
     columns = (

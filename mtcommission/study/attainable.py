@@ -44,12 +44,12 @@ MODES = ("surface", "accuracy", "speed")
 class Attainable:
     """What could be met in place of one requirement, all others kept."""
 
-    requirement: Requirement
+    requirement: str  # named as in the verdict's checks
     limit: float  # what is asked for
     value: float  # the least that was found
     unit: str  # SI, of both
     limits: MotionLimits  # that reach it
-    together_with: tuple[Requirement, ...] = ()  # must give way, too; empty: it helps alone
+    together_with: tuple[str, ...] = ()  # must give way, too; empty: it helps alone
 
 
 def find_attainable(machine: Machine, tuned: TunedLoop, choice: Choice) -> tuple[Attainable, ...]:
@@ -106,12 +106,12 @@ def _ease(
     is_kept = judge(Row(machine=eased, tuned=tuned, limits=best.limits)).assessment.is_met
     return [
         Attainable(
-            requirement=item,
+            requirement=item.key,
             limit=item.bound(machine),
             value=check.value if is_kept else high * item.bound(machine),
             unit=check.unit,
             limits=best.limits,
-            together_with=tuple(other for other in wanted if other != item),
+            together_with=tuple(other.key for other in wanted if other != item),
         )
         for item, check in reached.items()
     ]
@@ -141,14 +141,18 @@ def _largest_share(machine: Machine, wanted: Sequence[Requirement], item: Candid
     return max(item.assessment.check_of(one).value / one.bound(machine) for one in wanted)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ModeLimits:
-    """Limits for one machining mode, from a band of its own."""
+    """Limits for one machining mode, from a band of its own; None where none meet all with it."""
 
     name: str  # one of ``MODES``
     band: float  # allowed residual deviation [m]
-    candidate: Candidate  # the limits, judged with this band
-    attainable: Attainable | None  # the least residual found where no limits meet all requirements
+    meets_requirements: bool
+    acceleration: float | None = None  # [m/s²]
+    jerk: float | None = None  # [m/s³]
+    jerk_time: float | None = None  # [s]
+    settling_time: float | None = None  # slowest move, worst corner [s]
+    attainable: float | None = None  # the band that could be asked for instead [m]
 
 
 def find_limits_by_mode(
@@ -172,8 +176,7 @@ def find_limits_by_mode(
             largest = shares[name] * choice.limits.jerk
         most = largest if choice.meets_requirements else inf
         found[name] = _find_mode(machine, tuned, choice, name, most)
-        if found[name].candidate.assessment.is_met:
-            largest = min(largest, found[name].candidate.limits.jerk)
+        largest = min(largest, found[name].jerk or inf)
     return tuple(found[name] for name in MODES)
 
 
@@ -190,10 +193,17 @@ def _find_mode(
         candidate = judge(row)
         if not candidate.assessment.is_met and isfinite(largest_jerk):
             candidate = judge(replace(row, largest_jerk=inf))
-    is_met = candidate.assessment.is_met
+    limits, is_met = candidate.limits, candidate.assessment.is_met
+    if not is_met:
+        least = find_least_residual(machine, tuned)
+        other = least.value if least else None
+        return ModeLimits(name=name, band=band, meets_requirements=False, attainable=other)
     return ModeLimits(
         name=name,
         band=band,
-        candidate=candidate,
-        attainable=None if is_met else find_least_residual(machine, tuned),
+        meets_requirements=True,
+        acceleration=limits.acceleration,
+        jerk=limits.jerk,
+        jerk_time=limits.jerk_time,
+        settling_time=candidate.settling_time,
     )

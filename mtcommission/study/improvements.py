@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from math import ceil, floor, inf, log10
+from math import ceil, floor, inf, isfinite, log10
 
 from mtcommission.base.errors import ComputationError
 from mtcommission.base.messages.message import Message, parts_of
@@ -28,6 +28,7 @@ from mtcommission.loop.tuning.family import (
 )
 from mtcommission.loop.tuning.tuned import TUNING, TunedLoop, close_loop, corner_plants
 from mtcommission.loop.tuning.tuning import tune_loop
+from mtcommission.machine.identified import ToolSensor
 from mtcommission.machine.machine import Machine
 from mtcommission.study.loops import WITH, LoopChoice, with_filters
 from mtcommission.study.settings import STUDY
@@ -40,13 +41,19 @@ SAVES_LITTLE = Message("change-saves-little", share=STUDY.worth)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Improvement:
-    """One change, and what it would bring."""
+    """One change, and what it would bring; None where there is no number."""
 
     change: Message
-    settling_time: float = inf  # slowest move, worst corner, limits chosen for it [s]; inf: not
-    saved: float = -inf  # less than with the recommendation [s]; negative: it takes longer
+    settling_time: float | None = None  # slowest move, worst corner, limits chosen for it [s]
+    saved: float | None = None  # less than with the recommendation [s]; negative: it takes longer
+    share: float | None = None  # the same relative to that of the recommendation [-]
     meets_requirements: bool = False
     outcome: Message | None = None  # why there is no number, or that it hardly helps
+
+    @property
+    def name(self) -> str:
+        """What is changed, without its numbers."""
+        return self.change.kind.removeprefix("change-")
 
 
 def find_improvements(
@@ -85,7 +92,7 @@ def find_improvements(
         for variant in loop.variants
         if variant.name == WITH and not variant.is_used
     ]
-    return tuple(sorted(rows, key=lambda item: item.settling_time))
+    return tuple(sorted(rows, key=lambda item: item.settling_time or inf))
 
 
 _Change = tuple[Message, Machine, bool]
@@ -148,12 +155,14 @@ def _improve(
 
 
 def _compared(change: Message, found: Candidate, choice: Choice) -> Improvement:
-    known = choice.candidate.settling_time
-    is_little = choice.meets_requirements and found.settling_time > (1.0 - STUDY.worth) * known
+    known, time = choice.candidate.settling_time, found.settling_time
+    is_little = choice.meets_requirements and time > (1.0 - STUDY.worth) * known
+    is_known = isfinite(known) and isfinite(time)
     return Improvement(
         change=change,
-        settling_time=found.settling_time,
-        saved=known - found.settling_time,
+        settling_time=time if isfinite(time) else None,
+        saved=known - time if is_known else None,
+        share=1.0 - time / known if is_known else None,
         meets_requirements=found.assessment.is_met,
         outcome=SAVES_LITTLE if is_little else None,
     )
@@ -214,15 +223,6 @@ def _least_rest(machine: Machine, moves: Sequence[MoveResult], assumed: Sequence
     return max(rests)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ToolSensor:
-    """What measuring at the tool could free at most."""
-
-    modes: tuple[str, ...]  # those whose share at the tool was assumed
-    settling_time: float  # with the limits recommended for these shares [s]; inf: not settled
-    least: float  # with limits for a tool at rest in these modes [s]; inf: nothing is met even then
-
-
 def value_tool_sensor(machine: Machine, tuned: TunedLoop, choice: Choice) -> ToolSensor | None:
     """Return what a sensor at the tool could free at most; None where nothing was assumed.
 
@@ -243,6 +243,6 @@ def value_tool_sensor(machine: Machine, tuned: TunedLoop, choice: Choice) -> Too
     found = choose(Row(machine=still, tuned=loop))
     return ToolSensor(
         modes=assumed,
-        settling_time=choice.candidate.settling_time if choice.meets_requirements else inf,
-        least=found.candidate.settling_time if found.meets_requirements else inf,
+        settling_time=choice.candidate.settling_time if choice.meets_requirements else None,
+        least=found.candidate.settling_time if found.meets_requirements else None,
     )
