@@ -104,6 +104,19 @@ def test_merging_touches_no_other_line_and_keeps_names_and_unmeasured_gains(enco
     assert warning.values["gains"] == ("plant.modes[1].tcp_gain = 1.9e-3 1/kg",)
 
 
+def test_weights_and_bounds_of_states_that_are_no_more_go_with_a_remark(encoder) -> None:
+    """The manipulator has other states: a profile that named them was refused afterwards."""
+    old = read_shipped("milling-manipulator").text
+    bounds = '[requirements.peaks]\nv_phi = "5 mrad/s"\ntcp = "1 mm"\n\n[damping_optimal]'
+    text = old.replace("[damping_optimal]", bounds)
+    found = merge_profile(text, encoder, _how())
+    machine = parse_profile(found.profile, where="merged.toml")
+    assert [one.name for one in machine.requirements.peaks] == ["tcp"]
+    (warning,) = (one for one in found.part.warnings if one.kind == "identify-states-gone")
+    weights = [f"damping_optimal.weights.{name}" for name in ("x_b", "phi", "v_b", "v_phi")]
+    assert warning.values["keys"] == (*weights, "requirements.peaks.v_phi")
+
+
 def test_an_example_whose_mass_and_modes_were_measured_is_one_no_more(encoder) -> None:
     """The gain at the tool is no knowledge of this machine, and its drive is assumed."""
     text = merge_profile(read_shipped("modal-two-modes").text, encoder, _how()).profile

@@ -186,8 +186,29 @@ def merge_profile(text: str, found: Identified, how: Writing) -> Identified:
     if states and not states_differ(found.part.states, found.part.modes):
         found = _warned(found, Message("identify-states-stay", states=states))
     found = _merge(document, found, how, assumed)
+    if left_out := _drop_states(document):
+        found = _warned(found, Message("identify-states-gone", keys=left_out))
     merged = how.words(found.part.rotary).text("identify-document-merged")
     return replace(found, profile=_heading(found, how, merged) + tomlkit.dumps(document))
+
+
+def _drop_states(document: Any) -> tuple[str, ...]:
+    """Take out weights and bounds of states that the plant has no more, and return which."""
+    modes = [str(mode["name"]) for mode in document["plant"].get("modes", [])]
+    known = {"x", "v", "F", "tcp", "encoder", "tcp_vibration"}
+    known |= {f"{sign}_{name}" for sign in ("q", "v") for name in modes}
+    gone: list[str] = []
+    for table, key in (("damping_optimal", "weights"), ("requirements", "peaks")):
+        own = document.get(table, {}).get(key)
+        strange = [one for one in own if one not in known] if isinstance(own, Mapping) else []
+        gone += [f"{table}.{key}.{name}" for name in strange]
+        # Weights tell only together what is worth how much.
+        if strange and (key == "weights" or len(strange) == len(own)):
+            del document[table][key]
+        else:
+            for name in strange:
+                del own[name]
+    return tuple(gone)
 
 
 def _warned(found: Identified, warning: Message) -> Identified:

@@ -65,6 +65,7 @@ identify-friction-may-shift = { $file }: Unten zeigt sich Reibung. Falls die Ach
 identify-no-tool-sensor = Kein Sensor am Werkzeug: tcp_gain ist nicht gemessen. { GAIN($bound) } ist der ungünstigste Fall eines Werkzeugs auf der anderen Seite der Eigenform, oder deren Anteil am Lagegeber, falls er größer ist. Ein Beschleunigungssensor am Werkzeug bei derselben Anregung, DATEI@tcp, ersetzt das; ebenso --tool-ratio, Spitze am Werkzeug durch Spitze am Motor.
 identify-gains-stay = Angenommen, weil kein Sensor es zeigte, wie das Profil es angibt: { $gains }. Wer den Wert kennt, nimmt ihn aus machine.assumed.
 identify-states-stay = Die Zustände des Profils bleiben, wie sie sind, denn diese Messung zeigt nur einen: { $states }. [[machine_states]], die nicht mehr gelten, herausnehmen.
+identify-states-gone = Herausgenommen, weil das Profil diesen Zustand nicht mehr hat: { $keys }. Gewichte gehen gemeinsam: an ihre Stelle treten die ausgeglichenen.
 identify-polarity-reversed = { $file }: Das Vorzeichen ist vertauscht (die Masse wurde negativ); es wurde gedreht.
 identify-masses-differ = { $file } zeigt { MASS($mass) }, der erste Sensor { MASS($other) }: Eine der Konstanten oder Einheiten stimmt nicht, und damit auch ihre Verstärkungen nicht.
 identify-mass-by-state = Die Zustände bewegen { MASS($low) } bis { MASS($high) }; das Profil enthält jeden als Zustand und in [plant] die Mitte. Ist das nur die Zuladung, genügen auch die kleinste als moving_mass und der Unterschied als payload.

@@ -62,6 +62,7 @@ identify-friction-may-shift = { $file }: friction shows at the low end. If the a
 identify-no-tool-sensor = No sensor at the tool: tcp_gain is not measured. { GAIN($bound) } is the worst case of a tool on the far side of the mode, or its share at the encoder if that is larger. An accelerometer at the tool during the same excitation, FILE@tcp, replaces it; so does --tool-ratio, peak at the tool by peak at the motor.
 identify-gains-stay = Assumed, since no sensor showed it, as the profile states it: { $gains }. Take it out of machine.assumed if you know it.
 identify-states-stay = The states of the profile stay as they are, for this measurement shows one alone: { $states }. Take out [[machine_states]] that no longer hold.
+identify-states-gone = Left out, since the profile has no such state any more: { $keys }. Weights go together: the balanced ones stand in their place.
 identify-polarity-reversed = { $file }: the sign is reversed (the mass came out negative); it was turned.
 identify-masses-differ = { $file } shows { MASS($mass) }, the first sensor { MASS($other) }: one of the constants or units is off, and so are its gains.
 identify-mass-by-state = The states move { MASS($low) } to { MASS($high) }; the profile holds each as a state, and in [plant] the middle. If that is the payload alone, the least one as moving_mass and the difference as payload do as well.
