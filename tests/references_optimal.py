@@ -14,10 +14,6 @@ PAPER_TIME_TOLERANCE = 6.3e-5
 """The printed times, put into eq. (1) exactly, end with v_s = 0.100028 m/s, F = 3.5 N: right to
 3-4 decimals, as the paper itself says of its discretisation [s]."""
 
-PAPER_ADJOINT = (-11.87902, 0.0, 14.75425, 0.05508, -0.23018, 0.01149, -1.2503e-6)
-"""Christiansen, Maurer & Zirn, sec. 5.1: λ(0), F_max = 2 kN."""
-
-
 PAPER_WEIGHTS = tuple(
     SignalValue(name=state, value=value)
     for state, value in [

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+from itertools import pairwise
 from math import acos, cos, pi, sqrt
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,15 +15,19 @@ from scipy.optimize import brentq
 from mtcommission.base.errors import InputError
 from mtcommission.limits.optima import find_optima, find_time_optimum
 from mtcommission.machine.machine import Machine
-from mtcommission.machine.moves import Positioning, VelocityStep
+from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.plant.plant import build_plant, driven_at_once
 from mtcommission.machine.profile.read import parse_profile
 from mtcommission.optimal.band import find_band_optimum
 from mtcommission.optimal.control import Arc, Bound, TimeOptimum
+from mtcommission.optimal.open_loop import solve_jerk_limited
 from mtcommission.optimal.transcription import transcribe_damping_optimal
 from mtcommission.optimal.transcription_settings import TranscriptionSettings
 from mtcommission.record.optima import optimum_entry
 from mtcommission.record.shape import to_plain
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.setpoint.setpoint import plan_setpoint
+from tests.conftest import Run
 
 HEAD = """schema = 1
 [machine]
@@ -61,25 +67,29 @@ def random_axis(seed: int) -> tuple[Machine, list[tuple[float, float, float]], f
     return axis(modes, a), modes, a
 
 
-def integrated(arcs: tuple[Arc, ...], modes: list[tuple[float, float, float]]) -> list[float]:
-    """Second program: x, v, then q and q' of each base-excited mode, by constant accelerations."""
-    y = np.zeros(2 + 2 * len(modes))
+def integrated(
+    arcs: tuple[Arc, ...], modes: list[tuple[float, float, float]]
+) -> tuple[list[float], float]:
+    """Second program: x, v, then q and q' of each base-excited mode, and the largest velocity."""
+    y, fastest = np.zeros(2 + 2 * len(modes)), 0.0
     for arc in arcs:
-        a = float(arc.output @ arc.initial)
-        # On an arc at max_velocity the state of the arc moves, what it sets is nothing.
-        assert not arc.generator.any() or not arc.output.any()
+        k = arc.initial.size
 
-        def slope(_: float, y: np.ndarray, a: float = a) -> list[float]:
-            found = [y[1], a]
+        def slope(_: float, both: np.ndarray, k: int = k, arc: Arc = arc) -> list[float]:
+            own, y = both[:k], both[k:]
+            a = float(arc.output @ own)
+            found = [*(arc.generator @ own), y[1], a]
             for i, (f, zeta, _gain) in enumerate(modes):
                 omega, q, rate = 2.0 * pi * f, y[2 + 2 * i], y[3 + 2 * i]
                 found += [rate, -a - 2.0 * zeta * omega * rate - omega**2 * q]
             return found
 
-        y = solve_ivp(
-            slope, (arc.t_start, arc.t_end), y, method="DOP853", rtol=1e-12, atol=1e-16
-        ).y[:, -1]
-    return y.tolist()
+        solved = solve_ivp(
+            slope, (arc.t_start, arc.t_end), [*arc.initial, *y], method="DOP853", rtol=1e-12,
+            atol=1e-16,
+        )  # fmt: skip
+        y, fastest = solved.y[k:, -1], max(fastest, np.abs(solved.y[k + 1]).max())
+    return y.tolist(), fastest
 
 
 def is_proved(found: TimeOptimum) -> bool:
@@ -121,7 +131,7 @@ def test_random_axes_are_proved_and_end_at_rest(seed: int) -> None:
     for move in moves:
         found = find_time_optimum(plant, move, force_limit=a, bounds=())
         assert is_proved(found)
-        x, v, *tips = integrated(found.arcs, modes)
+        (x, v, *tips), _ = integrated(found.arcs, modes)
         step = isinstance(move, VelocityStep)
         assert v == pytest.approx(0.1 if step else 0.0, abs=1e-10)
         if isinstance(move, Positioning):
@@ -188,3 +198,91 @@ def test_a_weight_of_the_acceleration_is_refused_with_the_way_out() -> None:
     said = str(caught.value)
     assert "axis.toml:22: damping_optimal.weights.F" in said
     assert "remove the weight, and divide the others by 1 plus it" in said
+
+
+# The time-optimal motion of a motor that follows, within acceleration and jerk.
+
+
+PROFILES = Path(__file__).parent.parent / "profiles"
+ONE_MODE = [(45.0, 0.05, 1.0)]
+
+
+def solved(machine: Machine, move: Move, *, a: float, jerk: float) -> TimeOptimum:
+    return solve_jerk_limited(build_plant(machine), move, force_limit=a, jerk_limit=jerk, bounds=())
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_random_axes_are_proved_and_integrate_to_rest(seed: int) -> None:
+    """Second program: x, v, a and every mode integrated from the sampled jerk of each arc."""
+    machine, modes, a = random_axis(seed)
+    jerk = a * 2.0 * pi * modes[0][0] * (0.3, 1.0, 4.0)[seed % 3]
+    move = machine.moves[0]
+    assert isinstance(move, Positioning)
+    found = solved(machine, move, a=a, jerk=jerk)
+    assert found.certificate.relative_gap < 1e-9
+    assert found.certificate.switching_law_holds
+    (x, v, *tips), fastest = integrated(found.arcs, modes)
+    assert fastest <= move.max_velocity * (1.0 + 1e-7)
+    assert found.peaks[-4] <= a * (1.0 + 1e-7)
+    assert x == pytest.approx(move.distance, rel=1e-8)
+    assert abs(v) < 1e-8
+    omega = 2 * pi * modes[0][0]
+    assert np.abs(tips[0::2]).max() < 1e-8 * a / omega
+    assert np.abs(tips[1::2]).max() < 1e-6 * a / omega
+
+
+def test_a_large_jerk_leads_to_the_acceleration_that_jumps() -> None:
+    """More jerk never takes more time, and without its limit the other solver's time is reached."""
+    machine = axis(ONE_MODE, 20.0)
+    move = machine.moves[0]
+    least = find_time_optimum(build_plant(machine), move, force_limit=20.0, bounds=()).t_f
+    times = [solved(machine, move, a=20.0, jerk=jerk).t_f for jerk in (500.0, 5e3, 1e5)]
+    assert all(later < earlier for earlier, later in pairwise(times))
+    assert least < times[-1] < 1.005 * least
+
+
+def test_a_stiff_structure_leaves_the_setpoint_of_the_planner() -> None:
+    """Where nothing swings the least time is that of Ruckig, which knows the rigid axis alone."""
+    machine = axis([(2500.0, 0.1, 1.0)], 20.0)
+    move = machine.moves[0]
+    found = solved(machine, move, a=20.0, jerk=2e3)
+    rigid = plan_setpoint(move, MotionLimits(acceleration=20.0, jerk=2e3)).duration
+    assert rigid <= found.t_f * (1.0 + 1e-9)
+    assert found.t_f == pytest.approx(rigid, rel=1e-3)
+
+
+def test_other_bounds_hold_besides() -> None:
+    """A bound on the velocity is the max_velocity of a move; both, and that of F, hold together."""
+    machine = axis(ONE_MODE, 20.0)
+    plant = build_plant(machine)
+    slower = Positioning(distance=0.02, max_velocity=0.2)
+    bounded = solve_jerk_limited(
+        plant, machine.moves[0], force_limit=20.0, jerk_limit=2e3,
+        bounds=(Bound(name="v", value=0.2),),
+    )  # fmt: skip
+    assert bounded.t_f == pytest.approx(solved(machine, slower, a=20.0, jerk=2e3).t_f, rel=1e-9)
+    assert [(bound.name, bound.value) for bound in bounded.bounds] == [("v", 0.2)]
+    assert bounded.force_limit == 20.0
+
+
+def test_command_line_says_the_limit_and_where_it_belongs(
+    run: Run,
+) -> None:
+    def call(profile: str, *more: str) -> tuple[int, str]:
+        code, out, error = run("optimal", PROFILES / profile, "--kind", "time", *more)
+        return code, (out + error).replace("\u202f", " ")
+
+    code, said = call("printer-belt.toml", "--jerk", "20000", "--move", "2")
+    assert not code
+    assert "t_f = 11.153294 ms" in said
+    assert "Limit |jerk| <= 20000 m/s³: reached." in said
+    assert "+j_max" in said
+    code, said = call("printer-belt.toml", "--jerk", "1e12")
+    assert code == 2
+    assert "leave --jerk out, which lets it jump" in said
+    code, said = call("printer-belt.toml", "--limit", "F=5 m/s^2", "--move", "2")
+    assert not code
+    assert "Limit |F| <= 5 m/s²: reached." in said
+    code, said = call("ball-screw.toml", "--jerk", "9")
+    assert code == 2
+    assert "--jerk: goes with" in said

@@ -16,7 +16,6 @@ from mtcommission.base.messages.message import Message
 from mtcommission.controls.kind import ControlKind, FilterChoice, PositionLoop
 from mtcommission.controls.kinds import GENERIC, KINDS, STATE_SPACE
 from mtcommission.export.catalogue import CONTROL_KEYS
-from mtcommission.machine.checks import describe_kind
 from mtcommission.machine.profile.read import parse_profile
 from tests.test_profile import MANIPULATOR
 
@@ -83,16 +82,6 @@ def _word(item: object) -> str:
             most = min(item.most_cycles, item.advised_cycles)
             return f"{kind} ({item.least_cycles:g} to {most:g} position cycles)"
     return str(getattr(item, "kind", item))
-
-
-def test_what_was_not_read_is_marked_and_what_is_missing_is_said() -> None:
-    said = Catalogue().say(describe_kind(KINDS["fanuc"]))
-    assert said == (
-        "has jerk limit, setpoint filter (?), velocity feed-forward (?), force feed-forward (?), "
-        "5 filters in the force setpoint (?); lacks jerk feed-forward (?), balancing of the "
-        "setpoint (?), state feedback (?)"
-    )
-    assert "lacks" not in Catalogue().say(describe_kind(STATE_SPACE))
 
 
 @pytest.mark.parametrize("key", KINDS)

@@ -100,15 +100,6 @@ def test_more_time_and_more_force_never_cost_more() -> None:
     assert all(more <= less * (1 + 1e-12) for less, more in pairwise(by_force))
 
 
-def test_just_above_the_shortest_time_is_nearly_bang_bang() -> None:
-    best = paper_optimum(t_f=1.0001 * T_F_MIN)
-    plant = build_plant(paper_machine())
-    saturated = sum(a.t_end - a.t_start for a in best.arcs if a.control != Interior())
-    assert saturated > 0.9 * best.t_f
-    assert np.abs(best.terminal_error / best.peaks[: plant.order]).max() < 1e-9
-    assert best.certificate.law_residual < 1e-6
-
-
 def test_shorter_than_the_shortest_time_has_no_control() -> None:
     # Who asks is told t_f,min by ``find_damping_optimum``; here nothing wrong may come out.
     with pytest.raises(ComputationError) as caught:

@@ -11,7 +11,7 @@ from mtcommission.controls.kind import TWO_AVERAGES
 from mtcommission.limits.bench import build_bench
 from mtcommission.limits.every_size import CLOSER, SizeCheck, judge_sizes
 from mtcommission.limits.explore import explore
-from mtcommission.limits.judge import simulate_moves
+from mtcommission.limits.judge import evaluate, simulate_moves
 from mtcommission.limits.requirements import RESIDUAL_DEVIATION, SET_FORCE
 from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuned import TunedLoop
@@ -23,7 +23,8 @@ from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint
-from mtcommission.setpoint.smaller_moves import SMALLEST, size_of
+from mtcommission.setpoint.smaller_moves import SMALLEST, resize, size_of
+from mtcommission.study.robustness import MoveSizes, compare_move_sizes
 from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine, random_modal_machine
 
@@ -147,3 +148,39 @@ def test_nothing_on_a_grid_is_sooner() -> None:
                 if residual <= needs.tcp_deviation and force <= machine.drive.motion_force:
                     sooner.append((a, t_j))
     assert not sooner
+
+
+# From which step on limits hold, against the full simulation.
+
+
+LIMITS = MotionLimits(acceleration=1.5, jerk=30.0)
+
+
+def two_moves() -> Machine:
+    machine = paper_machine()
+    needs = replace(machine.requirements, payload=(0.0, 100.0), frequency_spread=0.02)
+    moves = (machine.moves[0], Positioning(distance=0.02, max_velocity=0.3))
+    return replace(machine, requirements=needs, moves=moves)
+
+
+def judged(machine: Machine, tuned: TunedLoop, item: MoveSizes, index: int) -> tuple[float, float]:
+    """Settling time and residual of one size, by the full simulation in every corner."""
+    move = resize(item.move, float(item.size[index]))
+    one = replace(machine, moves=(move,))
+    candidate = evaluate(one, tuned, item.limits)
+    return candidate.settling_time, candidate.residual_deviation
+
+
+@pytest.mark.parametrize("average", [0.0, 0.0139])
+def test_every_size_is_what_the_simulation_says(average: float) -> None:
+    """If it failed, the sheet would promise limits for jogs that leave the band."""
+    machine = two_moves()
+    tuned = tune_loop(machine)
+    limits = replace(LIMITS, setpoint_filter=moving_average(average))
+    found = compare_move_sizes(machine, tuned, {"x": limits})
+    assert [item.move for item in found] == list(machine.moves)
+    for item in found:
+        for index in (0, 50, 95):
+            settling, residual = judged(machine, tuned, item, index)
+            assert item.residual_deviation[index] == pytest.approx(residual, rel=1e-4, abs=1e-10)
+            assert item.settling_time[index] == pytest.approx(settling, abs=2e-6)

@@ -35,17 +35,3 @@ def test_a_velocity_step_gives_back_its_own_limits(
     found = condense(move, motion(move, acceleration, jerk), velocity=0)
     assert found.acceleration == pytest.approx(acceleration, rel=2e-3)
     assert found.jerk == pytest.approx(jerk, rel=5e-3)
-
-
-def test_no_ramp_is_shorter_than_a_control_can_send() -> None:
-    """If it failed, the sheet would print a jerk that belongs to no setpoint of this control.
-
-    The motion given is one without a jerk limit, so the closest ramp is the shortest allowed.
-    """
-    move = VelocityStep(velocity_step=0.4)
-    original = motion(move, 2.0, 2.0 / 1e-5)
-    found = condense(move, original, velocity=0, shortest_ramp=2e-3)
-    assert found.jerk_time == pytest.approx(2e-3, rel=0.05)
-    # The duration stays, so v/a + t_j does.
-    assert 0.4 / found.acceleration + found.jerk_time == pytest.approx(0.2, rel=1e-3)
-    assert condense(move, original, velocity=0).jerk_time < 1e-3

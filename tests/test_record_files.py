@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -10,8 +11,11 @@ import pytest
 from benchmarks.fuzz import call
 from benchmarks.mutations import dice_of, mutated_text
 from mtcommission.base.errors import InputError
-from mtcommission.record.record import SCHEMA, load_record
-from mtcommission.record.shape import find_checksum
+from mtcommission.machine.profile.shipped import read_shipped
+from mtcommission.record.machine import Datum, Profile
+from mtcommission.record.read_back import read_machine
+from mtcommission.record.record import SCHEMA, Record, load_record
+from mtcommission.record.shape import find_checksum, to_entry
 from tests.sheet_record import example_record
 
 
@@ -74,3 +78,22 @@ def test_damaged_records_are_refused(tmp_path: Path) -> None:
             refused.append(str(error))
     assert len(refused) > 8
     assert all("record.json" in said for said in refused)
+
+
+# What a record says, as machine and filters again.
+
+
+def with_profile(name: str, data: list[Datum]) -> Record:
+    text = read_shipped(name).text
+    profile = Profile(name=f"{name}.toml", sha256="", text=text)
+    return replace(to_entry(example_record(), Record), profile=profile, data=data)
+
+
+@pytest.mark.parametrize(
+    ("name", "key"),
+    [("rotary-table", "drive.max_force"), ("printer-belt", "drive.max_acceleration")],
+)
+def test_the_force_limit_is_that_of_the_run(name: str, key: str) -> None:
+    """If it failed, a run with --f-max would be exported and verified with the profile's force."""
+    datum = Datum(key=key, value=12.5, unit="", source="")
+    assert read_machine(with_profile(name, [datum])).drive.max_force == 12.5

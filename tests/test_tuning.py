@@ -5,15 +5,16 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import control
 import numpy as np
 import pytest
 
+from benchmarks.population import random_machine
 from mtcommission.base.errors import ComputationError, Outcome
-from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.loop.analysis import mode_poles
 from mtcommission.loop.disturbance import simulate_disturbance
 from mtcommission.loop.model.diagram import check_by_blocks
-from mtcommission.loop.tuning import gains
+from mtcommission.loop.tuning import family, gains
 from mtcommission.loop.tuning.family import (
     build,
     cascade_family,
@@ -22,7 +23,7 @@ from mtcommission.loop.tuning.family import (
     propose_feedback,
     tune_shape,
 )
-from mtcommission.loop.tuning.gains import symmetrical_optimum
+from mtcommission.loop.tuning.gains import observer_gains, regulator_gains, symmetrical_optimum
 from mtcommission.loop.tuning.tuned import (
     CLASSIC,
     TUNING,
@@ -117,8 +118,11 @@ def follow_pole(machine: Machine, tuned: TunedLoop, start: complex) -> complex:
 @pytest.mark.parametrize(
     "machine", [paper_machine(), random_modal_machine(3, n_modes=1)], ids=["paper", "random"]
 )
-def test_shown_damping_is_that_of_the_mode_and_not_of_the_observer(machine: Machine) -> None:
+def test_shown_damping_is_that_of_the_mode_and_not_of_the_observer(
+    machine: Machine, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """A pole of the observer beside a mode would be shown as its damping, and chosen by it."""
+    monkeypatch.setattr(family, "TUNING", replace(TUNING, mode_weights=(0.1,)))
     tuned = tune_loop(machine)
     observer, plant = tuned.controller.observer, tuned.loops[0].plant
     assert observer.states
@@ -203,15 +207,48 @@ def test_no_sine_moves_the_tool_more_than_the_dynamic_stiffness_says() -> None:
     assert compliance == pytest.approx(1.0 / tuned.nominal.dynamic_stiffness, rel=0.01)
 
 
-def test_failed_design_of_the_state_feedback_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The cascade alone is still a loop; why it stands alone must be readable."""
+# Wrong gains would make a loop that the tables call best by a rule it does not follow.
 
-    def fail(*_: object) -> None:
-        raise np.linalg.LinAlgError("ill-conditioned")
 
-    monkeypatch.setattr(gains, "observer_gains", fail)
-    found = propose_feedback(cascade_family(paper_machine()), None, [CLASSIC])
-    assert found.loops == ()
-    assert found.remark is not None
-    assert Catalogue().say(found.remark) == "No state feedback: observer: ill-conditioned."
-    assert not tune_loop(paper_machine()).controller.state_gains.any()
+MACHINES = {
+    "paper": paper_machine(),
+    "two encoders": quiet_copy(paper_machine(), has_tcp_sensor=True),
+    "belt": read_profile(Path("tests/data/belt-servo.toml")),
+    "one mode": random_modal_machine(3, n_modes=1),
+    "population": random_machine(3),
+}
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_gains_are_those_of_python_control(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every equation of a whole tuning, solved by a second program."""
+    asked = []
+
+    def regulator(A: np.ndarray, B: np.ndarray, Q: np.ndarray) -> np.ndarray:
+        ours = regulator_gains(A, B, Q)
+        theirs, _, _ = control.lqr(A, B[:, None], Q, np.eye(1))
+        asked.append(np.max(np.abs(ours - theirs[0])) / np.max(np.abs(theirs)))
+        return ours
+
+    def observer(A: np.ndarray, G: np.ndarray, C: np.ndarray) -> np.ndarray:
+        ours = observer_gains(A, G, C)
+        theirs, _, _ = control.dlqe(A, G, C, np.eye(G.shape[1]), np.eye(len(C)))
+        asked.append(np.max(np.abs(ours - theirs)) / np.max(np.abs(theirs)))
+        return ours
+
+    monkeypatch.setattr(gains, "regulator_gains", regulator)
+    monkeypatch.setattr(gains, "observer_gains", observer)
+    auto = quiet_copy(MACHINES[name], state_feedback=StateFeedback.AUTO)
+    tune_loop(auto)
+    assert len(asked) >= 3  # the observer and both weights
+    assert max(asked) < 1e-8
+
+
+def test_what_nothing_damps_has_no_gains() -> None:
+    """An oscillator beside the drive would get gains that leave it ringing, without a word."""
+    A = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
+    B, Q = np.array([0.0, 0.0, 1.0]), np.eye(3)
+    with pytest.raises(np.linalg.LinAlgError, match="damps every state"):
+        regulator_gains(A, B, Q)
+    with pytest.raises(np.linalg.LinAlgError, match="not finite"):
+        regulator_gains(A, B, np.diag([1.0, np.inf, 1.0]))
