@@ -16,7 +16,6 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.base.messages.message import Message
 from mtcommission.identify.fit import Fitted, fit_state
 from mtcommission.identify.measurement import (
     FrequencyResponse,
@@ -90,7 +89,7 @@ def measure(
     seen = gamma2 + (1 - gamma2) * np.sqrt(2 * gamma2 / AVERAGES) * rng.normal(size=gamma2.size)
     scatter = rng.normal(size=(2, frequency_hz.size)) / np.sqrt(2.0)
     return FrequencyResponse(
-        source=Source(file="survey", sha256="", format=Message("identify-format-response-table")),
+        source=Source(file="survey", sha256=""),
         frequency_hz=frequency_hz,
         values=H * (1.0 + relative * (scatter[0] + 1j * scatter[1])),
         coherence=np.clip(seen, 1e-3, 0.99999),

@@ -13,7 +13,6 @@ import pytest
 
 from benchmarks.identify_survey import GRIDS, Axis, measure, random_axis, survey
 from mtcommission.base.errors import InputError
-from mtcommission.base.messages.message import Message
 from mtcommission.identify.fit import fit_state
 from mtcommission.identify.gather import gather
 from mtcommission.identify.identified import identify
@@ -27,7 +26,7 @@ from mtcommission.identify.measurement import (
 )
 
 BENCH = Path(__file__).parent / "data" / "identify" / "fdi-motor-bench"
-SOURCE = Source(file="made", sha256="0" * 64, format=Message("identify-format-response-table"))
+SOURCE = Source(file="made", sha256="0" * 64)
 
 
 def _axis(**changes) -> Axis:

@@ -389,14 +389,12 @@ kind = "manipulator"\nbase_mass = "450 kg"  ->  base_mass = "450 m"
   20: no TOML: max_force = 2 ; mend this line or the one above: texts and values with a unit
     stand in quotes, numbers take a point, brackets are closed, and a key stands once
 "5 um"  ->  "5 um"\n[control]\nkind = "fluidnc"\nstate_feedback = "auto"\njerk_feedforward = 1\nreference_delay = "1 ms"\ntcp_sensor = "position"\nposition_loop = "control"\nsetpoint_filter = { kind = "moving_average", time = "20 ms" }\nforce_filters = [{ kind = "notch", frequency = "72 Hz", damping = 0.1 }]
-  26: control.state_feedback: kind = "fluidnc" cannot feed states back; write "off", or kind =
-    "state-space" for a free controller
+  26: control.state_feedback: kind = "fluidnc" has no state feedback; leave the key out
   27: control.jerk_feedforward: got 1; kind = "fluidnc" has only velocity_feedforward; write 0,
     or leave the key out
-  28: control.reference_delay: got 1 ms; kind = "fluidnc" cannot delay its setpoint; leave the
-    key out
-  29: control.tcp_sensor: kind = "fluidnc" has no observer that could use a sensor at the tool;
-    write "none", or kind = "state-space" for a free controller
+  28: control.reference_delay: kind = "fluidnc" has no balancing of the setpoint; leave the key
+    out
+  29: control.tcp_sensor: kind = "fluidnc" has no state feedback; leave the key out
   30: control.position_loop: got "control"; kind = "fluidnc" closes its position loop otherwise:
     write "drive", or leave the key out
   31: control.setpoint_filter: got "moving_average"; kind = "fluidnc" has no such setpoint
@@ -404,7 +402,7 @@ kind = "manipulator"\nbase_mass = "450 kg"  ->  base_mass = "450 m"
   32: control.force_filters: got 1 filters; kind = "fluidnc" has 0 in the torque setpoint; write
     no more
 "5 um"  ->  "5 um"\n[control]\nkind = "fluidnc"\n[today]\nacceleration = 1\njerk = 10
-  28: today.jerk: kind = "fluidnc" limits no jerk, so none can be set today; remove the key
+  28: today.jerk: kind = "fluidnc" has no jerk limit; leave the key out
 "5 um"  ->  "5 um"\n[control]\nposition_gain = "5 kg"\nsetpoint_filter = { kind = "fir", taps = [0.5, 0.4], frequency = "1 m", zzz = 1 }\n[today]\nacceleration = 1\njerk = "1 kg"\nsetpoint_filter = { kind = "moving_average", damping = 7 }
   25: control.position_gain: got "5 kg"; must be in 1/s or (m/min)/mm
   26: control.setpoint_filter.spacing: missing: a filter with kind = "fir" needs it

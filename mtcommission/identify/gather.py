@@ -95,7 +95,7 @@ def read_file(
     source = Source(
         file=name,
         sha256=sha256(data).hexdigest(),
-        format=contents.format,
+        is_klipper_raw=contents.is_klipper_raw,
         measured_on=contents.measured_on,
         state=contents.state,
     )

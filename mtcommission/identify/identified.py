@@ -114,7 +114,6 @@ def identify(
             MeasuredFile(name=one.source.name, sensor=one.sensor.value, sha256=one.source.sha256)
             for one in measured
         ],
-        formats={one.source.name: one.source.format for one in measured},
         band_hz=[min(low for low, _ in bands), max(high for _, high in bands)] if bands else None,
         moving_mass=middle_of([fit.moving_mass for fit in fits]),
         delay=middle_of([fit.leading.delay for fit in fits]),

@@ -63,7 +63,8 @@ class Source:
     sha256: str  # Of the file's bytes, 64 hexadecimal digits
     # Which of the file's measurements it is, in the file's words; "" where it has one.
     label: str = ""
-    format: Message  # Message that names the format
+    # Whether it is what Klipper's resonance test recorded: its script takes the spectrum of it all.
+    is_klipper_raw: bool = False
     measured_on: str = ""  # Date in the file, ISO 8601; "" where it has none
     # State of the machine that the file names (position, payload, level); "" where it names none.
     state: str = ""
@@ -323,8 +324,8 @@ Item = TimeContents | ResponseContents | SpectrumContents
 class FileContents:
     """A file, read."""
 
-    format: Message  # Its name, to be shown
     items: tuple[Item, ...]  # What it holds, at least one
+    is_klipper_raw: bool = False  # accelerations of Klipper's resonance test
     measured_on: str = ""  # ISO date; "" where the file has none
     state: str = ""  # State of the machine that the file names; "" where it names none
     said: Given = field(default_factory=Given)  # What its comments say of input, output, sensor

@@ -58,7 +58,6 @@ SIGNIFICANT = 4.0
 """Amplitude over its standard error."""
 FEWEST = 64
 """Samples of a decay."""
-KLIPPER_RAW = "identify-format-klipper-raw"
 KLIPPER_WINDOW, KLIPPER_KAISER = 0.5, 6.0
 """Least length of Klipper's window [s], rounded up to a power of two of samples, and its shape:
 klippy/extras/shaper_calibrate.py at 84104bbb."""
@@ -81,7 +80,7 @@ def find_unforced(
             spectra.append(_find_power(record, motion))
     if len(spectra) > 1:
         loudest = max(spectra, key=lambda one: float(one.density.max()))
-        whole = power_as_klipper(record) if record.source.format.kind == KLIPPER_RAW else None
+        whole = power_as_klipper(record) if record.source.is_klipper_raw else None
         spectra = [replace(loudest, all_directions=whole)]
     return (*vibrations, *spectra)
 

@@ -282,6 +282,7 @@ class Control:
 
     def _lacking(self, stated: Mapping[str, Any]) -> Iterator[Misfit]:
         kind, name = self.kind, self.kind.key
+        seeks_filters = stated.get("force_filters") == AUTO
         if self.position_loop not in kind.position_loops:
             got, there = (
                 describe(self.position_loop.value),
@@ -295,17 +296,17 @@ class Control:
                 weight = getattr(self, key)
                 message = Message("control-without-feedforward", got=weight, control=name, has=has)
                 yield key, message
-        if self.reference_delay and not kind.reference_delay:
-            delay = self.reference_delay
-            message = Message("control-without-delay", got=delay, unit="s", control=name)
-            yield "reference_delay", message
-        if self.state_feedback is not StateFeedback.OFF and not kind.state_feedback:
-            yield "state_feedback", Message("control-without-state-feedback", control=name)
-        if self.has_tcp_sensor and not kind.state_feedback:
-            yield "tcp_sensor", Message("control-without-observer", control=name)
+        is_fed_back = self.state_feedback is not StateFeedback.OFF
+        for at, is_asked, is_there, feature in (
+            ("reference_delay", self.reference_delay, kind.reference_delay, "reference-delay"),
+            ("state_feedback", is_fed_back, kind.state_feedback, "state-feedback"),
+            ("tcp_sensor", self.has_tcp_sensor, kind.state_feedback, "state-feedback"),
+            ("force_filters", seeks_filters, kind.force_filters, "force-filters"),
+        ):
+            if is_asked and not is_there:
+                what = Message(f"has-{feature}")
+                yield at, Message("control-lacks", control=name, what=what)
         count, most = len(self.force_filters), kind.force_filters
         if count > most:
             message = Message("control-with-fewer-filters", got=count, control=name, most=most)
             yield "force_filters", message
-        if stated.get("force_filters") == AUTO and not most:
-            yield "force_filters", Message("control-without-force-filters", control=name)

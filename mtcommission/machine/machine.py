@@ -205,7 +205,8 @@ class Machine:
             yield "requirements.damping_spread", message
         today, control = self.today, self.control
         if today and today.jerk and not control.kind.has_jerk_limit:
-            yield "today.jerk", Message("control-without-jerk-limit", control=control.kind.key)
+            what = Message("has-jerk")
+            yield "today.jerk", Message("control-lacks", control=control.kind.key, what=what)
         if today:
             for key, message in list_misfits(
                 today.setpoint_filter, control.kind, position_cycle=control.position_cycle

@@ -29,6 +29,9 @@ from mtcommission.record.shape import (
 APART = ("files", "sensor", "profile")
 """Keys of the file beside a profile that say the same once more; the profile names its checksum."""
 
+GONE = ("formats",)
+"""Keys that earlier versions wrote and nobody reads."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SpreadEntry:
@@ -82,7 +85,7 @@ class RecordCheckEntry:
 class IdentifiedPart:
     """What was measured on the axis.
 
-    ``formats``, ``states``, ``responses``, ``checks`` and ``warnings`` come from the file beside
+    ``states``, ``responses``, ``checks`` and ``warnings`` come from the file beside
     the profile; without it they are empty, and the warnings say so.
     """
 
@@ -90,7 +93,6 @@ class IdentifiedPart:
     rotary: bool
     base_excited: bool
     sources: list[MeasuredFile]
-    formats: dict[str, Message]  # by name of a source
     band_hz: list[float] | None
     moving_mass: Estimate | None
     delay: Estimate | None
@@ -131,7 +133,7 @@ def read_evidence(machine: Machine, folder: Path | None) -> IdentifiedPart | Non
         other = Message("identified-evidence-differs", file=said.evidence)
         return _from_profile(machine, said, other)
     try:
-        kept = {key: value for key, value in data.items() if key not in APART}
+        kept = {key: value for key, value in data.items() if key not in (*APART, *GONE)}
         return _renamed(to_entry(kept, IdentifiedPart), said)
     except WrongFormError:
         return _from_profile(machine, said, missing)
@@ -158,7 +160,6 @@ def _from_profile(machine: Machine, said: Identification, warning: Message) -> I
         rotary=machine.motion is Motion.ROTARY,
         base_excited=False,
         sources=said.files,
-        formats={},
         states=[],
         spread=spread,
         checks=[],

@@ -185,7 +185,6 @@ def file_table(part: IdentifiedPart, words: Catalogue) -> Table:
     columns = (
         Quantity("identify-head-file", lambda one: short_name(one.name)),
         Quantity("identify-head-sensor", lambda one: Message(f"sensor-{one.sensor}")),
-        Quantity("identify-head-format", lambda one: part.formats.get(one.name)),
         Quantity("SHA-256", lambda one: one.sha256[:SHOWN_DIGITS]),
     )
     return table(words, "identify-part-sources", columns, part.sources)

@@ -89,8 +89,7 @@ def _power(lines: Sequence[str], names: Sequence[str]) -> FileContents:
         )
         for name in kept
     )
-    format_ = Message("identify-format-klipper-power")
-    return FileContents(format=format_, items=items, remarks=tuple(remarks))
+    return FileContents(items=items, remarks=tuple(remarks))
 
 
 def _evened(frequency_hz: Array) -> Array:
@@ -108,5 +107,4 @@ def _raw(lines: Sequence[str]) -> FileContents:
         for axis, values in zip("xyz", table.values.T[1:], strict=True)
     )
     record = TimeContents(clock=table.values[:, 0], columns=columns, lines=table.lines)
-    format_ = Message("identify-format-klipper-raw")
-    return FileContents(format=format_, items=(record,), remarks=table.remarks)
+    return FileContents(items=(record,), remarks=table.remarks, is_klipper_raw=True)

@@ -70,18 +70,16 @@ def read_plain(lines: Sequence[str], columns: Mapping[str, str]) -> FileContents
     frequency = _find(heads, columns, FREQUENCY, _FREQUENCIES)
     items: tuple[Item, ...]
     if frequency is not None:
-        kind, averages = "response-table", _number(settings, "averages")
+        averages = _number(settings, "averages")
         items = tuple(_responses(table, columns, frequency, averages))
         if not items:
             found = (f"{h.name or '?'}{f' [{h.unit}]' if h.unit else ''}" for h in heads)
             shown = tuple(f"{place}: {one}" for place, one in enumerate(found, start=1))
             raise broken("identify-no-response", found=shown)
     else:
-        kind = "time-table" if any(map(any, heads)) else "halsampler"
         record, more = _record(table, columns)
         items, remarks = (record,), (*remarks, *more)
     return FileContents(
-        format=Message(f"identify-format-{kind}"),
         items=items,
         measured_on=settings.get("date", ""),
         state=settings.get("state", ""),
@@ -136,7 +134,7 @@ def _responses(
     in_words = "rad/s" if "omega" in words_of(heads[frequency].name) else ""
     hertz = _HERTZ.get(heads[frequency].unit.casefold() or in_words)
     if hertz is None:
-        raise broken("identify-frequency-unit", got=heads[frequency].unit)
+        raise broken("identify-unit-of", got=heads[frequency].unit, units="Hz, kHz, rad/s")
     common = [group["coherence"] for group in groups.values() if set(group) == {"coherence"}]
     for label, group in groups.items():
         if not {"re", "im"} <= set(group) and not {"magnitude", "phase"} <= set(group):
@@ -190,7 +188,7 @@ def _complex(table: Table, group: Mapping[str, int]) -> tuple[ComplexArray, str]
     size, unit = table.values[:, group["magnitude"]], heads[group["magnitude"]].unit
     angle = heads[group["phase"]].unit
     if angle.casefold() not in _RADIANS:
-        raise broken("identify-phase-unit", got=angle)
+        raise broken("identify-unit-of", got=angle, units="deg, rad")
     if unit.casefold().startswith("db"):
         size = 10.0 ** (np.clip(size, -600.0, 600.0) / 20.0)
         unit = re.sub(r"^dB\s*(?:re|rel|bez)?\.?\s*1?\s*", "", unit, flags=re.IGNORECASE)
@@ -213,7 +211,7 @@ def _record(table: Table, columns: Mapping[str, str]) -> tuple[TimeContents, lis
         _, said = find_column([head.name for head in heads], wanted)
         unit = (said or heads[place].unit).casefold()
         if unit not in _SECONDS:
-            raise broken("identify-time-unit", got=heads[place].unit)
+            raise broken("identify-unit-of", got=heads[place].unit, units="s, ms, us, ns")
         clock = table.values[first:last, place] * _SECONDS[unit]
     found = tuple(
         Column(name=head.name or str(k + 1), unit=head.unit, values=table.values[first:last, k])
@@ -241,5 +239,4 @@ def read_halscope(lines: Sequence[str]) -> FileContents:
         for place, (name, unit) in enumerate(heads)
     )
     record = TimeContents(sample_time=period, columns=columns, lines=table.lines)
-    format_ = Message("identify-format-halscope")
-    return FileContents(format=format_, items=(record,), remarks=table.remarks)
+    return FileContents(items=(record,), remarks=table.remarks)

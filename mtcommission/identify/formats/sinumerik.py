@@ -93,20 +93,17 @@ def _numbers(elements: Iterable[Element]) -> list[float]:
 
 
 def _decode(text: str, name: str) -> Array:
-
-    def wrong(reason: str) -> InputError:
-        return broken("identify-series-broken", name=name, reason=Message(reason))
-
+    wrong = broken("identify-series-broken", name=name)
     pieces = "".join(text.split()).split(".")
     plain = (5 * ALPHABET[0]).join(pieces)
     if not plain.isascii() or any(len(piece) % 5 for piece in pieces):
-        raise wrong("identify-series-cut")
+        raise wrong
     digits = _DIGITS[np.frombuffer(plain.encode(), dtype=np.uint8)]
     if (digits < 0).any():
-        raise wrong("identify-series-sign")
+        raise wrong
     words = digits.reshape(-1, 5) @ 85 ** np.arange(4, -1, -1, dtype=np.int64)
     if words.size % 2 or (words > 0xFFFFFFFF).any():
-        raise wrong("identify-series-cut")
+        raise wrong
     return np.frombuffer(words.astype(">u4").tobytes(), dtype=">f8").astype(np.float64)
 
 
@@ -225,7 +222,6 @@ def _measurement(root: Element) -> FileContents:
         resolution_hz=0.0,  # a periodic excitation, averaged over whole periods
     )
     return FileContents(
-        format=Message("identify-format-sinumerik-measurement"),
         items=(item,),
         measured_on=_measured_on(root),
     )
@@ -255,7 +251,6 @@ def _session(root: Element, response: str, file: str) -> FileContents:
         remarks.append(Message(kind, name=taken, others=others, file=file))
     item = _response_of(root, speed, chosen)
     return FileContents(
-        format=Message("identify-format-sinumerik-session"),
         items=(replace(item, label=response, frequency_hz=unit * item.frequency_hz),),
         measured_on=_measured_on(root),
         remarks=tuple(remarks),
@@ -349,4 +344,4 @@ def _trace(root: Element) -> FileContents:
         unit = next((v for k, v in (*one.items(), *more.items()) if "unit" in k.casefold()), "")
         columns.append(Column(name=name, unit=unit, values=values[:, place]))
     record_ = TimeContents(clock=values[:, 0], columns=tuple(columns))
-    return FileContents(format=Message("identify-format-sinumerik-trace"), items=(record_,))
+    return FileContents(items=(record_,))

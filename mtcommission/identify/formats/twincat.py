@@ -69,7 +69,6 @@ def read_twincat(lines: Sequence[str]) -> FileContents:
         items = [replace(items[0], label="")]
     factors = {cell.strip() for cell in heads.get("ScaleFactor", [])} - {"1", "ScaleFactor"}
     return FileContents(
-        format=Message("identify-format-twincat"),
         items=tuple(items),
         remarks=(Message("identify-twincat-scaled"),) if factors else (),
     )

@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from mtcommission.base.messages.message import Message
 from mtcommission.identify.measurement import (
     Array,
     Column,
@@ -66,8 +65,7 @@ def read_uff(data: bytes) -> FileContents:
         kinds = tuple(sorted({str(one.get("func_type", one.get("type"))) for one in sets}))
         raise broken("identify-uff-nothing", found=kinds)
     on = str(functions[0].get("id3", "")).strip()
-    format_ = Message("identify-format-uff")
-    return FileContents(format=format_, items=tuple(items), measured_on=on[:40])
+    return FileContents(items=tuple(items), measured_on=on[:40])
 
 
 def _sets(data: bytes) -> list[Set]:

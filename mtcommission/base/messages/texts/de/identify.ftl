@@ -128,7 +128,6 @@ identify-misfit = Abweichung im Verhältnis zum Rauschen
 identify-head-why = Warum
 identify-head-file = Datei
 identify-head-sensor = Sensor
-identify-head-format = Format
 identify-head-explained = Erklärt
 identify-head-held-back = Zurückgehalten
 identify-not-known = nicht bekannt

@@ -1,17 +1,5 @@
 # Gemessene Dateien: wie ein Format heißt, was an einer Datei falsch ist, wie geschätzt wurde.
 
-identify-format-response-table = Tabelle eines Frequenzgangs
-identify-format-time-table = Tabelle von Zeitsignalen
-identify-format-klipper-power = Spektren von Klipper
-identify-format-klipper-raw = Beschleunigungen von Klipper
-identify-format-halscope = Aufzeichnung von LinuxCNC halscope
-identify-format-halsampler = Abtastwerte von LinuxCNC halsampler
-identify-format-sinumerik-measurement = Frequenzgangmessung der SINUMERIK
-identify-format-sinumerik-session = Sitzung der automatischen Servo-Optimierung der SINUMERIK
-identify-format-sinumerik-trace = Servo-Trace der SINUMERIK
-identify-format-twincat = Export von TwinCAT Scope
-identify-format-uff = Universal File, Dataset 58
-
 identify-file-empty = ist leer; neu aufzeichnen oder exportieren
 identify-file-binary = ist eine Binärdatei; die Messung als Text (CSV), XML oder Universal File exportieren
 identify-file-foreign = ist eine Datei vom Typ { $format }, die hier nicht gelesen wird; die Messung als CSV, XML oder Universal File (Dataset 58) exportieren
@@ -25,9 +13,6 @@ identify-no-number = Spalte { $column }: „{ $got }“ angegeben, muss eine Zah
 identify-not-finite = Spalte { $column }: „{ $got }“ angegeben; die Zeile weglassen oder neu aufzeichnen
 identify-cut = Zeile { $line } ist unvollständig und wurde weggelassen: die Datei ist dort wohl abgeschnitten
 identify-overruns = an { $count } Stellen gingen Abtastwerte verloren (overrun); das längste Stück ohne Verlust wird benutzt, { $kept } von { $of } Werten
-identify-frequency-unit = Frequenzen in „{ $got }“; nötig sind Hz, kHz oder rad/s
-identify-phase-unit = eine Phase in „{ $got }“; nötig sind deg oder rad
-identify-time-unit = Zeiten in „{ $got }“; nötig sind s, ms, us oder ns
 identify-negative-magnitude = ein Betrag von { PLAIN($least) }, der nicht negativ sein kann; wenn er in Dezibel steht, magnitude [dB] schreiben
 identify-negative-power = eine negative Leistung; sind die Spalten vertauscht?
 identify-no-response = kein Frequenzgang unter den Spalten { $found }; nötig sind frequency_hz mit re und im oder mit magnitude und phase
@@ -36,9 +21,7 @@ identify-no-such-name = „{ $got }“ angegeben, kein Name eines Signals; es gi
 identify-setting-unknown = die Datei sagt { $got }, das ist nicht bekannt; sensor ist encoder oder tcp, input force, torque, current oder acceleration, output position, velocity oder acceleration, constant eine Zahl
 identify-xml-broken = ist keine ganze XML-Datei: { $reason }; die Messung neu speichern
 identify-xml-unknown = ist XML mit der Wurzel { $root }; bekannt sind ResponseTestCustom, DynamicModelAxisController und Servo-Traces der SINUMERIK
-identify-series-broken = die Reihe { $name }: { $reason }; die Messung neu speichern
-identify-series-cut = endet mitten in einer Zahl
-identify-series-sign = enthält ein Zeichen, das für keine Ziffer steht
+identify-series-broken = die Reihe { $name } ist abgeschnitten oder enthält fremde Zeichen; die Messung neu speichern
 identify-series-short = { $name } hat { $got } Werte, es müssen { $wanted } sein; die Datei ist abgeschnitten, die Messung neu speichern
 identify-series-missing = { $name } fehlt; die Messung mit ihren Daten speichern
 identify-series-not-finite = { $name } enthält Werte, die keine Messung liefert (nicht endlich oder über alle Maßen groß); neu messen
@@ -123,3 +106,4 @@ identify-loop-in-decay = ein Sollwert wurde gefahren: das sind Schwingungen der 
 identify-by-power = { word-force } nicht aufgezeichnet, und nichts schwingt aus: als Spektrum genommen, das Frequenzen und Dämpfung gibt, weder Masse noch Verstärkungen
 identify-hold = wenn { word-force } zwischen den Abtastwerten gehalten wird, wie es Antriebe tun, werden Verstärkungen oberhalb von { FREQUENCY($limit) } um mehr als 1 % zu klein gelesen; schneller abtasten, wenn dort Eigenformen liegen
 identify-no-motor-acceleration = keine Beschleunigung des Motors unter { $found }; --input acceleration braucht sie neben einem Signal am Werkzeug: --columns "motor_acceleration=..." und DATEI@tcp
+identify-unit-of = Einheit „{ $got }“; nötig ist eine von { $units }

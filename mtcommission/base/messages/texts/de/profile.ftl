@@ -64,9 +64,6 @@ gear-without-lead = ein Getriebe an einer Linearachse braucht drive.lead (Weg je
 contour-feed-without-deviation = gehört zu contour_deviation; das angeben oder den Schlüssel entfernen
 control-closes-elsewhere = { $got } angegeben; kind = "{ $control }" schließt den Lageregelkreis anders: { $has } schreiben oder den Schlüssel weglassen
 control-without-feedforward = { $got } angegeben; kind = "{ $control }" hat nur { $has }; 0 schreiben oder den Schlüssel weglassen
-control-without-delay = { $got } angegeben; kind = "{ $control }" kann den Sollwert nicht verzögern; den Schlüssel weglassen
-control-without-state-feedback = kind = "{ $control }" führt keine Zustände zurück; "off" schreiben, oder kind = "state-space" für einen freien Regler
-control-without-observer = kind = "{ $control }" hat keinen Beobachter, der einen Geber am Werkzeug nutzen könnte; "none" schreiben, oder kind = "state-space" für einen freien Regler
 # $has: vorhandene Arten und das Wort für keines
 control-without-filter = { $got } angegeben; kind = "{ $control }" hat keinen solchen Sollwertfilter: { $has } schreiben
 control-filter-time = { $got } angegeben; kind = "{ $control }" nimmt bei diesem Lagereglertakt { PLAIN($low, digits: 6) } bis { PLAIN($high, digits: 6) } s
@@ -76,9 +73,7 @@ filter-key-missing = fehlt: ein Filter mit kind = "{ $kind }" braucht diesen Wer
 filter-key-unused = bedeutet bei einem Filter mit kind = "{ $kind }" nichts: entfernen
 filter-taps-sum = die Summe der Koeffizienten ist { PLAIN($sum, digits: 6) } und muss 1 sein, sonst käme die Achse nicht ans Ziel: jeden durch die Summe teilen
 filter-without-end = { $got } angegeben: hinter einem solchen Filter endet ein Sollwert nie, daher ließe sich weder eine Einschwingzeit noch ein Beweis für jede Größe der Bewegung angeben; eine andere Art wählen, oder "none" mit ausgeschaltetem Filter in der Steuerung
-control-without-force-filters = "auto" angegeben; kind = "{ $control }" hat keine Filter im Momentensollwert; den Schlüssel weglassen
 control-with-fewer-filters = { $got } Filter angegeben; kind = "{ $control }" hat { $most } im Momentensollwert; nicht mehr angeben
-control-without-jerk-limit = kind = "{ $control }" begrenzt den Ruck nicht, also ist heute keiner eingestellt; den Schlüssel entfernen
 delay-below-drive = { $got } angegeben; ein Antrieb, der den Lageregelkreis schließt, kennt keinen neueren Sollwert als den vor zwei Lagereglertakten: mindestens { PLAIN($least, digits: 6) } s schreiben oder den Schlüssel weglassen
 
 # Motor folgt dem Sollwert. $drive: Art des Antriebs, zu der der Schlüssel gehört
@@ -95,3 +90,4 @@ example-about = { $name }, Achse { $axis_name } ({ $motion ->
     [rotary] drehend
    *[linear] linear
 }; Eigenformen bei { $modes })
+control-lacks = kind = "{ $control }" hat das nicht: { $what }; den Schlüssel weglassen

@@ -125,7 +125,6 @@ identify-misfit = Misfit, in units of the noise
 identify-head-why = Why
 identify-head-file = File
 identify-head-sensor = Sensor
-identify-head-format = Format
 identify-head-explained = Explained
 identify-head-held-back = Held back
 identify-not-known = not known

@@ -1,18 +1,6 @@
 # Measured files: what a format is called, what is wrong with a file, how a response was estimated.
 # $got: as in the file; $line: in the file; $found, $names: of columns; times in s, shares from 0 to 1
 
-identify-format-response-table = table of a response
-identify-format-time-table = table of signals by time
-identify-format-klipper-power = spectra of Klipper
-identify-format-klipper-raw = accelerations of Klipper
-identify-format-halscope = record of LinuxCNC's halscope
-identify-format-halsampler = samples of LinuxCNC's halsampler
-identify-format-sinumerik-measurement = frequency measurement of SINUMERIK
-identify-format-sinumerik-session = servo tuning session of SINUMERIK
-identify-format-sinumerik-trace = servo trace of SINUMERIK
-identify-format-twincat = export of TwinCAT Scope
-identify-format-uff = universal file, dataset 58
-
 identify-file-empty = is empty; record or export it again
 identify-file-binary = is a binary file; export the measurement as text (CSV), XML or universal file
 identify-file-foreign = is a { $format } file, which is not read here; export the measurement as CSV, XML or universal file (dataset 58)
@@ -26,9 +14,6 @@ identify-no-number = column { $column }: got "{ $got }", must be a number
 identify-not-finite = column { $column }: got "{ $got }"; leave out the line or record again
 identify-cut = line { $line } is incomplete and was left out: the file seems to be cut there
 identify-overruns = samples were lost at { $count } places (overrun); the longest piece without a loss is used, { $kept } of { $of } samples
-identify-frequency-unit = frequencies in "{ $got }"; must be Hz, kHz or rad/s
-identify-phase-unit = a phase in "{ $got }"; must be deg or rad
-identify-time-unit = times in "{ $got }"; must be s, ms, us or ns
 identify-negative-magnitude = a magnitude of { PLAIN($least) }, which cannot be negative; if it is in decibels, write magnitude [dB]
 identify-negative-power = a negative power; are the columns swapped?
 identify-no-response = no response among the columns { $found }; needed are frequency_hz with re and im, or with magnitude and phase
@@ -37,9 +22,7 @@ identify-no-such-name = got "{ $got }", which is no name of a signal; there are 
 identify-setting-unknown = the file says { $got }, which is not known; sensor is encoder or tcp, input force, torque, current or acceleration, output position, velocity or acceleration, constant a number
 identify-xml-broken = is no whole XML file: { $reason }; save the measurement again
 identify-xml-unknown = is XML with the root { $root }; known are SINUMERIK's ResponseTestCustom, DynamicModelAxisController and servo traces
-identify-series-broken = the series { $name } { $reason }; save the measurement again
-identify-series-cut = ends inside a number
-identify-series-sign = has a sign that stands for no digit
+identify-series-broken = the series { $name } is cut or holds foreign signs; save the measurement again
 identify-series-short = { $name } has { $got } values, must have { $wanted }; the file is cut, save the measurement again
 identify-series-missing = { $name } is missing; save the measurement with its data
 identify-series-not-finite = { $name } holds values that no measurement gives (not finite, or beyond all size); measure again
@@ -124,3 +107,4 @@ identify-loop-in-decay = a setpoint was followed: these are vibrations of the ax
 identify-by-power = no { word-force } was recorded and nothing dies away: taken as a spectrum, which gives frequencies and damping, neither mass nor gains
 identify-hold = if the { word-force } is held between samples, as drives do, gains above { FREQUENCY($limit) } are read more than 1 % too small; sample faster if modes lie there
 identify-no-motor-acceleration = no acceleration of the motor among { $found }; --input acceleration needs it beside a signal at the tool: --columns "motor_acceleration=..." and FILE@tcp
+identify-unit-of = got the unit "{ $got }"; must be one of { $units }

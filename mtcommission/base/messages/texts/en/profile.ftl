@@ -77,9 +77,6 @@ gear-without-lead = a gear on a linear axis needs drive.lead (travel per turn of
 contour-feed-without-deviation = belongs to contour_deviation; give that, or remove it
 control-closes-elsewhere = got { $got }; kind = "{ $control }" closes its position loop otherwise: write { $has }, or leave the key out
 control-without-feedforward = got { $got }; kind = "{ $control }" has only { $has }; write 0, or leave the key out
-control-without-delay = got { $got }; kind = "{ $control }" cannot delay its setpoint; leave the key out
-control-without-state-feedback = kind = "{ $control }" cannot feed states back; write "off", or kind = "state-space" for a free controller
-control-without-observer = kind = "{ $control }" has no observer that could use a sensor at the tool; write "none", or kind = "state-space" for a free controller
 # $has: kinds that it has and the word for none
 control-without-filter = got { $got }; kind = "{ $control }" has no such setpoint filter: write { $has }
 control-filter-time = got { $got }; kind = "{ $control }" takes { PLAIN($low, digits: 6) } to { PLAIN($high, digits: 6) } s with this position cycle
@@ -89,9 +86,7 @@ filter-key-missing = missing: a filter with kind = "{ $kind }" needs it
 filter-key-unused = means nothing to a filter with kind = "{ $kind }": remove it
 filter-taps-sum = got taps whose sum is { PLAIN($sum, digits: 6) }, must be 1, or the axis would not arrive where it should: divide each by the sum
 filter-without-end = got { $got }: behind such a filter a setpoint never ends, so no time of settling and no proof for every size of move could be stated; choose another kind, or "none" with the filter off in the control
-control-without-force-filters = got "auto"; kind = "{ $control }" has no filters in the torque setpoint; leave the key out
 control-with-fewer-filters = got { $got } filters; kind = "{ $control }" has { $most } in the torque setpoint; write no more
-control-without-jerk-limit = kind = "{ $control }" limits no jerk, so none can be set today; remove the key
 delay-below-drive = got { $got }; a drive that closes the position loop knows no newer setpoint than that of two position cycles ago: write at least { PLAIN($least, digits: 6) } s, or leave the key out
 
 # A motor that follows its setpoint. $drive: the kind of drive to which the key belongs
@@ -109,3 +104,4 @@ example-about = { $name }, axis { $axis_name } ({ $motion ->
     [rotary] rotary
    *[linear] linear
 }; modes at { $modes })
+control-lacks = kind = "{ $control }" has no { $what }; leave the key out
