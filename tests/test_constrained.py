@@ -170,6 +170,21 @@ def test_least_travel_that_allows_a_velocity_step_is_named() -> None:
     check_motion(paper_plant(), paper_optimum(bound("x_s", 1.001 * least)))
 
 
+def test_bound_just_above_the_least_possible_is_met() -> None:
+    """First cells are too long there: they called the bound impossible, or took thrice the time."""
+    for value in (9.864e-4, 9.866e-4):
+        optimum = paper_optimum(bound("x_s", value))
+        assert optimum.t_f < 1.005 * paper_optimum(bound("x_s", 1e-3)).t_f
+        assert optimum.certificate.relative_gap < 1e-6
+        check_motion(paper_plant(), optimum)
+
+
+def test_bound_at_a_500th_of_the_free_peak_is_proved() -> None:
+    """Arcs held across a short gap between two spoiled the proof: its gap was 7e-4."""
+    optimum = paper_optimum(bound("v_phi", 5e-5))
+    assert optimum.certificate.relative_gap < 1e-4
+
+
 def paper_problem(name: str, value: float) -> BoundedProblem:
     return bounded_problem(
         paper_plant(), PAPER_STEP, force_limit=2e3, bounds=bound(name, value), horizon=0.05

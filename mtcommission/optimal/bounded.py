@@ -69,8 +69,8 @@ def solve_bounded_time_optimal(
 
     The gap to the proved bound is some 1e-12 where the sequence of arcs could be solved exactly
     (orders 1 and 2); else the arcs are cells, and the gap stands in the certificate. Bounds and
-    force are kept to 1e-9, as is the target against each state's peak. A finite ``max_velocity`` of
-    the move bounds the rigid velocity.
+    force are kept to 1e-9, the target against each state's peak to 1e-9 or, on cells, 1e-8. A
+    finite ``max_velocity`` of the move bounds the rigid velocity.
 
     Raises
     ------

@@ -33,17 +33,13 @@ from mtcommission.optimal.program import (
 
 Array = NDArray[np.float64]
 
-LEAST_CELLS = 600
-"""For the smallest possible bound (empirical: right to some parts in a thousand)."""
 LEAST_TOLERANCE = 2e-4
-"""By how much it is rounded up."""
+"""By how much the smallest possible bound is rounded up: shorter cells would tell it that well."""
 
 
-def _least_factor(problem: BoundedProblem, t_f: float) -> float:
-    """Return the least factor of all bounds with which the target is reached by t_f."""
-    cells = LEAST_CELLS
-    edges = np.linspace(0.0, t_f, cells + 1)
-    plan = Plan(edges=edges, points=at_ends(problem, edges))
+def _least_factor(problem: BoundedProblem, plan: Plan) -> float:
+    """Return the least factor of all bounds with which the target is reached on the same cells."""
+    cells = plan.edges.size - 1
     maps = segments(problem, plan, relaxed=True)
     rows = point_rows(problem, plan.points, maps, plan)[:, :-3]
     final, target = maps.last[-1, problem.fixed, :-3], problem.target[problem.fixed]
@@ -71,6 +67,9 @@ RADIANS_PER_CELL = 0.8
 """Between the two, cells that resolve the fastest mode (empirical)."""
 GROWTH = 0.15
 """Of cells with the distance from the ends of a long move and of its cruise (empirical)."""
+FINER = 4
+"""Times as many cells where more time takes reach, which no motion loses by waiting: there a bound
+is so close to the least possible that the length of the cells decides (empirical)."""
 TIME_STEPS, HORIZON = 40, 60.0
 """Programs of the first search of t_f, and its longest t_f in multiples of the free optimum."""
 FAR = 3.0
@@ -139,11 +138,11 @@ def exchange(
     return found
 
 
-def _first_edges(problem: BoundedProblem, t_f: float, *, radians: float) -> Array:
+def _first_edges(problem: BoundedProblem, t_f: float, *, finer: int) -> Array:
     """Return even edges; of a long move close together at its ends and those of its cruise."""
-    cell = radians / problem.vibration_rate
-    if t_f / cell < (MOST_CELLS if problem.ramp == inf else FEWEST_CELLS):
-        return np.linspace(0.0, t_f, max(int(t_f / cell), FEWEST_CELLS) + 1)
+    cell, fewest = RADIANS_PER_CELL / finer / problem.vibration_rate, finer * FEWEST_CELLS
+    if t_f / cell < (MOST_CELLS if problem.ramp == inf else fewest):
+        return np.linspace(0.0, t_f, max(int(t_f / cell), fewest) + 1)
     ramp = min(problem.ramp, 0.5 * t_f)
     places = np.unique([0.0, ramp, t_f - ramp, t_f])
     edges = [0.0]
@@ -154,8 +153,10 @@ def _first_edges(problem: BoundedProblem, t_f: float, *, radians: float) -> Arra
     return np.array(edges) * (t_f / edges[-1])
 
 
-def first_cells(problem: BoundedProblem, *, t_free: float) -> Cells:
+def first_cells(problem: BoundedProblem, *, t_free: float, finer: int = 1) -> Cells:
     """Return the solution on first cells that reaches the target, all bounds at all their ends.
+
+    ``finer``: times as many cells as are enough for most.
 
     Raises
     ------
@@ -164,7 +165,7 @@ def first_cells(problem: BoundedProblem, *, t_free: float) -> Cells:
         at the end of the search.
     """
     t_f = 1.05 * t_free
-    found = earlier = _evenly(problem, t_f)
+    found = earlier = _evenly(problem, t_f, finer=finer)
     faster: Cells | None = None
     slower: Cells | None = None
     missing, spare, was_slow = 1.0, 1.0, False
@@ -174,6 +175,8 @@ def first_cells(problem: BoundedProblem, *, t_free: float) -> Cells:
         if abs(found.reach - 1.0) < TIME_TOLERANCE * steepness:
             return found
         if found.reach < 1.0:
+            if finer == 1 and slower is None and faster and found.reach < faster.reach:
+                return first_cells(problem, t_free=t_free, finer=FINER)
             if found.t_f > HORIZON * t_free or _is_still(earlier, found):
                 raise _out_of_reach(problem, found, t_free)
             earlier = found if found.t_f > LONGER * earlier.t_f else earlier
@@ -193,7 +196,7 @@ def first_cells(problem: BoundedProblem, *, t_free: float) -> Cells:
             share = float(np.clip(missing / (missing + spare), *INSIDE))
             t_f = faster.t_f + share * (slower.t_f - faster.t_f)
         try:
-            found = _evenly(problem, t_f, near=found)
+            found = _evenly(problem, t_f, near=found, finer=finer)
         except ComputationError as error:
             if slower is not None or found.t_f < FAR * t_free:
                 raise
@@ -207,8 +210,8 @@ def _is_still(earlier: Cells, found: Cells) -> bool:
     return is_long and found.reach - earlier.reach < STANDSTILL * found.reach
 
 
-def _evenly(problem: BoundedProblem, t_f: float, *, near: Cells | None = None) -> Cells:
-    edges = _first_edges(problem, t_f, radians=RADIANS_PER_CELL)
+def _evenly(problem: BoundedProblem, t_f: float, *, finer: int, near: Cells | None = None) -> Cells:
+    edges = _first_edges(problem, t_f, finer=finer)
     start = near.basis if near is not None and near.force.size == edges.size - 1 else None
     points = at_ends(problem, edges)
     if near is not None:  # what the free motions of another time have asked for
@@ -236,12 +239,12 @@ def _out_of_reach(problem: BoundedProblem, longest: Cells, t_free: float) -> Com
     named = describe_bounds(problem.plant, problem.bounds)
     if longest.t_f > HORIZON * t_free:
         return beyond_time(problem, longest)
-    least = _least_factor(problem, longest.t_f)
+    least = _least_factor(problem, longest.plan)
     if least <= 0.0:  # the program knows no digit of it: nothing is proved against the bounds
         detail = Message("grid-search-stopped", t_f=longest.t_f)
         return ComputationError(Outcome.NO_CONVERGENCE, detail)
-    if least < 1.0:
-        detail = Message("bounds-near-least", bounds=named, above=1.0 / least - 1.0)
+    if least < 1.0 + LEAST_TOLERANCE:
+        detail = Message("bounds-near-least", bounds=named, within=LEAST_TOLERANCE)
         return ComputationError(Outcome.BEYOND_HORIZON, detail)
     least *= 1.0 + LEAST_TOLERANCE
     smallest = tuple(

@@ -96,6 +96,7 @@ def refined(problem: BoundedProblem, first: Cells) -> Iterator[Seen]:
     require_followable(first.t_f, problem.rate, most=MOST_RADIANS)
     seen, edges = observe(problem, first), first.plan.edges
     plan = _planned(problem, seen, edges, first.acting)
+    best: Seen | None = None
     for i in range(ROUNDS):
         cells = exchange(problem, plan, tolerance=TOLERANCES[min(i, len(TOLERANCES) - 1)])
         if cells is None or abs(cells.reach - 1.0) > LOST:
@@ -107,9 +108,22 @@ def refined(problem: BoundedProblem, first: Cells) -> Iterator[Seen]:
         else:
             seen = observe(problem, cells)
             yield seen
-            plan, edges = finer(problem, seen), seen.mesh
+            if best is None or seen.gap < best.gap:
+                best, plan = seen, finer(problem, seen)
+            else:
+                # An arc held where it should not be spoils all multipliers.
+                plan = _halved(best.cells)
+            edges = best.mesh
         if plan.edges.size * max(plan.points.limit.size, plan.edges.size) > MOST_ENTRIES:
             return
+
+
+def _halved(cells: Cells) -> Plan:
+    """Return the plan of a program with its cells halved, all else as it was."""
+    plan = cells.plan
+    middles = 0.5 * (plan.edges[1:] + plan.edges[:-1])
+    edges = np.union1d(plan.edges, middles[plan.inside(middles) < 0])
+    return replace(plan, edges=edges, points=cells.acting)
 
 
 def observe(problem: BoundedProblem, cells: Cells) -> Seen:

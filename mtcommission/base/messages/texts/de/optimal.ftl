@@ -6,7 +6,7 @@ value-about = { PLAIN($value, digits: 4) } { $unit }
 
 bound-below-need = { $bound }, die Bewegung braucht mindestens { PLAIN($least, digits: 6) } { $unit }
 bound-not-positive = { $bound }, die Bewegung braucht mehr als 0
-bounds-near-least = { $bounds }: nur etwa { PLAIN($above, digits: 1, unit: "%") } % über dem Kleinstmöglichen
+bounds-near-least = { $bounds }: höchstens { PLAIN($within, digits: 1, unit: "%") } % vom Kleinstmöglichen entfernt
 bounds-below-least = { $bounds }: kleinstmöglich ist etwa { $least }
 bounds-beyond-time = { $bounds }: t_f wäre länger als { PLAIN($t_f) } s
 bounds-need-longer = t_f = { PLAIN($t_f, digits: 6, unit: "ms") } ms ist zu kurz für { $bounds }: die zeitoptimale Steuerung unter denselben Schranken zeigt, wie lange sie brauchen

@@ -6,7 +6,7 @@ value-about = { PLAIN($value, digits: 4) } { $unit }
 
 bound-below-need = { $bound }, the move needs at least { PLAIN($least, digits: 6) } { $unit }
 bound-not-positive = { $bound }, the move needs more than 0
-bounds-near-least = { $bounds }: only some { PLAIN($above, digits: 1, unit: "%") } % above the least
+bounds-near-least = { $bounds }: within { PLAIN($within, digits: 1, unit: "%") } % of the least possible
 bounds-below-least = { $bounds }: the smallest possible is about { $least }
 bounds-beyond-time = { $bounds }: t_f would be longer than { PLAIN($t_f) } s
 bounds-need-longer = t_f = { PLAIN($t_f, digits: 6, unit: "ms") } ms is too short for { $bounds }: the time-optimal control under the same bounds tells how long they take
