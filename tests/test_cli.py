@@ -266,6 +266,18 @@ def test_a_bad_profile_leaves_nothing_behind(run: Run, tmp_path: Path) -> None:
     assert not (tmp_path / "out").exists()
 
 
+def test_run_warns_of_what_cannot_be_meant_however_full_the_screen_is(
+    run: Run, tmp_path: Path
+) -> None:
+    """Who typed mm for um would have read that all requirements are met, and nothing else."""
+    profile = tmp_path / "wide.toml"
+    text = Path(BELT).read_text("utf-8")
+    profile.write_text(text.replace('tcp_deviation = "20 um"', 'tcp_deviation = "20 mm"'), "utf-8")
+    code, out, _ = run("run", profile, "-o", tmp_path / "out", "--no-pdf")
+    assert code == 0
+    assert "20 mm is no usual accuracy" in out.replace("\u202f", " ")
+
+
 @pytest.mark.parametrize(
     ("language", "missing", "no_record"),
     [

@@ -111,13 +111,14 @@ def run(
             cycle = found.tuned.controller.position_cycle
             files[name] = setpoint_csv(move.setpoint, step=cycle).encode()
     write_files(output, files)
-    answer = replace(limits_answer(found), rules=[])  # they stand in the appendix
-    others = [one for one in record.warnings if one not in answer.warnings]
-    further = (
+    answer = limits_answer(found)
+    # Rules stand in the appendix; warnings are always said, those of the record alone as well.
+    warned = list(dict.fromkeys([*answer.warnings, *record.warnings]))
+    answer = replace(answer, rules=[], warnings=warned)
+    further: tuple[Message | str, ...] = (
         *attainable_sentences(record, spoken),
         *assumed_and_binding(record, spoken),
         *notes,
-        *others,
         reference_sentence(record, slowest_move(record), spoken),
     )
     rows = ROWS - ROWS_BELOW
