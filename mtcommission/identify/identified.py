@@ -391,9 +391,8 @@ def _of_fit(fit: Fitted) -> Iterator[Message]:
 
 def _resolution(response: FrequencyResponse, frequency_hz: float) -> float:
     """Distance of lines about a frequency, or width of the window if that is more [Hz]."""
-    return max(
-        spacing_at(response.frequency_hz, frequency_hz), 0.25 * (response.resolution_hz or 0.0)
-    )
+    apart = float(spacing_at(response.frequency_hz, np.array(frequency_hz)))
+    return max(apart, 0.25 * (response.resolution_hz or 0.0))
 
 
 def _of_friction(fit: Fitted, records: Sequence[TimeRecord]) -> Iterator[Message]:

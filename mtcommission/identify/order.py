@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.identify.damped import correlation_length, information_criterion, neighbours
-from mtcommission.identify.measurement import Array, ComplexArray
+from mtcommission.identify.measurement import Array
 from mtcommission.identify.projection import (
     Lines,
     Poles,
@@ -150,8 +150,8 @@ LONGEST = 5e-3
 """Longest delay at which a fit begins [s]."""
 RATIOS = (0.003, 0.012, 0.045, 0.15)
 """Damping ratios of the candidates; least squares finds those between."""
-GRID_STEP = 1.6
-"""Distance of the candidates' frequencies, in ζ f."""
+GRID_STEP, FINE = 1.6, 2000
+"""Distance of the candidates' frequencies, in ζ f, and places at which that is looked at."""
 MOST_LINES = 3000
 """Of a response with more, every second, third, ... line is searched."""
 
@@ -283,6 +283,11 @@ def _evidence(responses: Sequence[Lines], fit: Projected, less: Projected) -> fl
     return float(gains[:-2].sum() / variance)
 
 
+def _spacing(responses: Sequence[Lines], f: Array) -> Array:
+    """How far the lines about some frequencies lie apart where they are closest [Hz]."""
+    return np.asarray(np.min([spacing_at(one.frequency_hz, f) for one in responses], axis=0))
+
+
 def _doubtful(responses: Sequence[Lines], fit: Projected) -> int | None:
     """The least sure mode that nothing determines; None if all are determined.
 
@@ -297,7 +302,7 @@ def _doubtful(responses: Sequence[Lines], fit: Projected) -> int | None:
     factor = np.sqrt(max(fit.cost / spare, 1.0) * _correlation(fit))
     surest = np.max(np.abs(fit.gains) / (factor * variances.each_gain), axis=0)[1:-1]
     f, zeta = fit.poles.frequency_hz, fit.poles.zeta
-    spacing = np.array([min(spacing_at(one.frequency_hz, hz) for one in responses) for hz in f])
+    spacing = _spacing(responses, f)
     is_spike = (zeta < SHARPEST) & (2 * zeta * f < 0.5 * spacing)
     known_to = np.maximum(2.0 * zeta * f, PLACED * spacing)
     is_unsure = factor * variances.of_modes[0] * f > known_to
@@ -345,17 +350,28 @@ class _Candidates:
     """Poles on a grid, against which residuals are matched."""
 
     def __init__(self, responses: Sequence[Lines]) -> None:
-        low, high = (2 * np.pi * end for end in ends_of(responses))
-        counts = [max(2, int(np.log(high / low) / np.log1p(GRID_STEP * z))) for z in RATIOS]
-        self.omega = np.concatenate([np.geomspace(low, high, count) for count in counts])
-        self.zeta = np.repeat(RATIOS, counts)
-        self.shapes = {id(one.frequency_hz): one.s[_searched(one)] for one in responses}
-        for grid, s in self.shapes.items():
-            # 1/(s² + 2 ζ ω s + ω²), shape (n_lines, n_candidates)
-            denominators: ComplexArray = s[:, None] * (2 * self.zeta * self.omega)
-            denominators += (s * s)[:, None] + self.omega**2
-            self.shapes[grid] = np.reciprocal(denominators, out=denominators)
-        self.powers = {grid: one.real**2 + one.imag**2 for grid, one in self.shapes.items()}
+        low, high = map(np.log, ends_of(responses))
+        log_f = np.linspace(low, high, FINE)
+        apart = _spacing(responses, np.exp(log_f))
+        grids = []
+        for zeta in RATIOS:
+            # Closer than half the distance of two lines none is another.
+            step = np.maximum(np.log1p(GRID_STEP * zeta), 0.5 * apart / np.exp(log_f))
+            count = np.append(0.0, np.cumsum(np.diff(log_f) / step[1:]))
+            at = np.linspace(0.0, count[-1], max(2, int(count[-1])))
+            grids.append(2 * np.pi * np.exp(np.interp(at, count, log_f)))
+        self.omega = np.concatenate(grids)
+        self.zeta = np.repeat(RATIOS, [grid.size for grid in grids])
+        self.shapes: dict[int, tuple[Array, Array]] = {}
+        for one in responses:
+            self.shapes.setdefault(id(one.frequency_hz), self._shapes(one))
+
+    def _shapes(self, lines: Lines) -> tuple[Array, Array]:
+        """Real above imaginary parts of 1/(s² + 2 ζ ω s + ω²), (2 n_lines, n_candidates); |.|²."""
+        omega = 2 * np.pi * lines.frequency_hz[_searched(lines)][:, None]
+        real, turned = self.omega**2 - omega**2, 2 * self.zeta * self.omega * omega
+        power = 1.0 / (real**2 + turned**2)
+        return np.concatenate([real * power, -turned * power]), power
 
     def best(self, responses: Sequence[Lines], known: Projected) -> tuple[float, float]:
         """ω and ζ of the mode that would lower the misfit most.
@@ -374,8 +390,9 @@ class _Candidates:
             q, _ = np.linalg.qr(stacked / np.linalg.norm(stacked, axis=0))
             turned = np.column_stack([q[:half] + 1j * q[half:], residual[chosen]])
             turned *= np.conj(weight)[:, None]
-            along = (np.conj(turned.T) @ self.shapes[grid]).real
-            before = np.abs(weight) ** 2 @ self.powers[grid]
+            shapes, power = self.shapes[grid]
+            along = np.concatenate([turned.real, turned.imag]).T @ shapes
+            before = np.abs(weight) ** 2 @ power
             after = before - np.sum(along[:-1] ** 2, axis=0)
             good = after > 1e-6 * before
             fall[good] += along[-1, good] ** 2 / after[good]
