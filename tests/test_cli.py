@@ -227,11 +227,11 @@ def test_options_report_all_faults_at_once(run: Run) -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["run", PAPER, "-o", "{file}"], "this is a file"),
+        (["run", PAPER, "-o", "{file}"], "is a file"),
         (["simulate", PAPER, "--acceleration", "-2", "--jerk", "10"], "got -2, must be > 0 m/s^2"),
         (["limits", PAPER, "--json", "{file}/x.json"], "there is no folder"),
         (["simulate", PAPER, "--acceleration", "2", "--jerk", "9", "--csv", "."], "is a folder"),
-        (["sweep", PAPER, "-o", "{file}", "--f-max", "1kN:2kN:3"], "this is a file"),
+        (["sweep", PAPER, "-o", "{file}", "--f-max", "1kN:2kN:3"], "is a file"),
     ],
 )
 def test_what_cannot_work_is_refused_before_computing(

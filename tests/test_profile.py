@@ -330,14 +330,12 @@ source = "s"  ->  source = "s"\nillustrative = 1
 "5 um"  ->  "5 um"\n[control]\nkind = "klipper"\nsetpoint_filter = { kind = "zv", frequency = "40 Hz", damping = 0.1, time = "1 ms" }
   26: control.setpoint_filter.time: means nothing to a filter with kind = "zv": remove it
 "5 um"  ->  "5 um"\n[control]\nkind = "sinumerik"\nsetpoint_filter = { kind = "moving_average", time = "1 ms" }
-  26: control.setpoint_filter.time: got 1 ms; kind = "sinumerik" takes 0.002 to 1 s with this
-    position cycle
+  26: control.setpoint_filter.time: got 1 ms; kind = "sinumerik" takes 0.002 to 1 s here
 "5 um"  ->  "5 um"\n[control]\nkind = "marlin"\nsetpoint_filter = { kind = "marlin_ei", frequency = "12 Hz", damping = 0.1 }
-  26: control.setpoint_filter.frequency: got 12 Hz; kind = "marlin" takes 20 to 500 Hz for a
-    shaper
+  26: control.setpoint_filter.frequency: got 12 Hz; kind = "marlin" takes 20 to 500 Hz
+    here
 "5 um"  ->  "5 um"\n[control]\nkind = "klipper"\nsetpoint_filter = { kind = "3hump_ei", frequency = "40 Hz", damping = 0.3 }
-  26: control.setpoint_filter.damping: got 0.3; kind = "klipper" takes a damping ratio of 0 to
-    0.2 for this shaper
+  26: control.setpoint_filter.damping: got 0.3; kind = "klipper" takes 0 to 0.2 here
 "5 um"  ->  "5 um"\n[control]\nkind = "state-space"\nsetpoint_filter = { kind = "fir", taps = [0.5, 0.4], spacing = "2 ms" }
   26: control.setpoint_filter.taps: got taps whose sum is 0.9, must be 1, or the axis would not
     arrive where it should: divide each by the sum

@@ -55,8 +55,7 @@ def require_folder(folder: Path, *names: str, inputs: Sequence[Path] = ()) -> No
     while not place.exists() and place != place.parent:
         place = place.parent
     if not place.is_dir():
-        is_above = place != folder
-        reason = Message("file-above", place=str(place)) if is_above else Message("file-itself")
+        reason = Message("file-above", place=str(place))
     elif not os.access(place, os.W_OK | os.X_OK):
         reason = Message("file-no-right", folder=str(place))
     else:
@@ -109,7 +108,7 @@ def _wrong_with(name: str, inputs: Sequence[Path]) -> Message | None:
     if not path.parent.is_dir():
         return Message("file-without-folder", folder=str(path.parent))
     if not os.access(path.parent, os.W_OK | os.X_OK):
-        return Message("file-folder-closed", folder=str(path.parent))
+        return Message("file-no-right", folder=str(path.parent))
     if any(os.path.realpath(other) == os.path.realpath(path) for other in inputs):
         return Message("file-is-input")
     if path.exists() and not os.access(path, os.W_OK):

@@ -173,8 +173,9 @@ def list_misfits(
     for key, name, unit in SETTINGS:
         value, (low, high) = getattr(item, name), ranges[key]
         if key in KEYS[item.kind] and not low <= value <= high:
-            said = f"control-filter-{key.removeprefix('second_')}"
-            yield key, Message(said, got=value, unit=unit, low=low, high=high, control=kind.key)
+            ends = f"{low:g}", f"{high:g} {unit}".rstrip()
+            said = {"low": ends[0], "high": ends[1], "control": kind.key}
+            yield key, Message("control-filter-range", got=value, unit=unit, **said)
 
 
 def _ranges(choice: FilterChoice, position_cycle: float) -> dict[str, tuple[float, float]]:

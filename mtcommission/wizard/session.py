@@ -341,6 +341,8 @@ class _Interview:
 
     def compose(self) -> str:
         defaults = list_defaults(self.answers)
+        if "machine.source" in defaults:
+            defaults["machine.source"] = self.words.text("wizard-by-hand")
         data = to_profile(self.answers, defaults)
         if not self.source.text:
             return write_document(data, self.answers, defaults, self.words)

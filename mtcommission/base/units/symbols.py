@@ -122,7 +122,7 @@ def read_unit(text: str) -> tuple[Unit, ...]:
     2
     """
     if len(text) > LONGEST_TEXT:
-        raise Refused(Message("unit-too-long", most=LONGEST_TEXT))
+        raise Refused(Message("unit-unreadable", unit=f"{text[:LONGEST_TEXT]}…"))
     plain = text.replace("μ", "µ").replace("per cent", "%").replace("×", "*")
     plain = re.sub("[·⋅]", "*", plain)
     plain = re.sub("[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+", lambda m: "^" + m[0].translate(SUPERSCRIPTS), plain).strip()

@@ -17,11 +17,9 @@ option-no-language = "{ $got }" angegeben, muss eine davon sein: { $allowed }
 
 file-folder-not-writable = dort kann nicht geschrieben werden ({ $reason }); mit -o einen anderen Ordner angeben
 file-above = { $place } ist eine Datei
-file-itself = das ist eine Datei
 file-no-right = kein Recht, in { $folder } zu schreiben
 file-is-folder = ist ein Ordner; einen Dateinamen angeben
 file-without-folder = es gibt keinen Ordner { $folder }; ihn erst anlegen oder einen anderen Namen angeben
-file-folder-closed = { file-no-right }; einen anderen Namen angeben
 file-not-writable = diese Datei kann nicht geschrieben werden ({ $reason }); einen anderen Namen angeben
 file-is-input = wird von diesem Befehl auch gelesen; einen anderen Namen angeben
 file-named-twice = ist für zwei Ergebnisse genannt; jedem eine eigene Datei geben

@@ -66,9 +66,6 @@ control-closes-elsewhere = { $got } angegeben; kind = "{ $control }" schließt d
 control-without-feedforward = { $got } angegeben; kind = "{ $control }" hat nur { $has }; 0 schreiben oder den Schlüssel weglassen
 # $has: vorhandene Arten und das Wort für keines
 control-without-filter = { $got } angegeben; kind = "{ $control }" hat keinen solchen Sollwertfilter: { $has } schreiben
-control-filter-time = { $got } angegeben; kind = "{ $control }" nimmt bei diesem Lagereglertakt { PLAIN($low, digits: 6) } bis { PLAIN($high, digits: 6) } s
-control-filter-frequency = { $got } angegeben; kind = "{ $control }" nimmt für einen Shaper { PLAIN($low, digits: 6) } bis { PLAIN($high, digits: 6) } Hz
-control-filter-damping = { $got } angegeben; kind = "{ $control }" nimmt für diesen Shaper einen Dämpfungsgrad von { PLAIN($low, digits: 6) } bis { PLAIN($high, digits: 6) }
 filter-key-missing = fehlt: ein Filter mit kind = "{ $kind }" braucht diesen Wert
 filter-key-unused = bedeutet bei einem Filter mit kind = "{ $kind }" nichts: entfernen
 filter-taps-sum = die Summe der Koeffizienten ist { PLAIN($sum, digits: 6) } und muss 1 sein, sonst käme die Achse nicht ans Ziel: jeden durch die Summe teilen
@@ -91,3 +88,4 @@ example-about = { $name }, Achse { $axis_name } ({ $motion ->
    *[linear] linear
 }; Eigenformen bei { $modes })
 control-lacks = kind = "{ $control }" hat das nicht: { $what }; den Schlüssel weglassen
+control-filter-range = { $got } angegeben; kind = "{ $control }" nimmt hier { $low } bis { $high }

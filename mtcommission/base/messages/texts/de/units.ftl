@@ -2,7 +2,6 @@ decimal-mark = ,
 
 quantity-expected = in { $units } angeben
 
-unit-too-long = eine Einheit hat höchstens { $most } Zeichen
 unit-unreadable = „{ $unit }“ ist keine Einheit; so schreiben: "N s/m" oder "m/s^2"
 unit-unknown = unbekannte Einheit „{ $unit }“
 unit-worth = {" "}({ $worth })

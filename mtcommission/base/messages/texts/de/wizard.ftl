@@ -163,3 +163,4 @@ insight-rotor-unknown = die { MASS($mass) } müssen den Läufer enthalten: jedes
 
 document-head = Maschinenprofil für mtcommission; eine Größe ist ein Text mit Einheit oder eine Zahl in SI.
 document-assumed = Einen Schlüssel aus assumed nehmen, sobald jemand den Wert kennt.
+wizard-by-hand = von Hand eingegeben

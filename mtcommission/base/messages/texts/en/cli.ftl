@@ -20,11 +20,9 @@ option-no-language = got "{ $got }", must be one of: { $allowed }
 
 file-folder-not-writable = cannot write there ({ $reason }); give another folder with -o
 file-above = { $place } is a file
-file-itself = this is a file
 file-no-right = no right to write into { $folder }
 file-is-folder = is a folder; give a file name
 file-without-folder = there is no folder { $folder }; make it first, or give another name
-file-folder-closed = { file-no-right }; give another name
 file-not-writable = cannot write this file ({ $reason }); give another name
 file-is-input = is read by this command, too; give another name
 file-named-twice = is named for two results; give each its own file

@@ -79,9 +79,6 @@ control-closes-elsewhere = got { $got }; kind = "{ $control }" closes its positi
 control-without-feedforward = got { $got }; kind = "{ $control }" has only { $has }; write 0, or leave the key out
 # $has: kinds that it has and the word for none
 control-without-filter = got { $got }; kind = "{ $control }" has no such setpoint filter: write { $has }
-control-filter-time = got { $got }; kind = "{ $control }" takes { PLAIN($low, digits: 6) } to { PLAIN($high, digits: 6) } s with this position cycle
-control-filter-frequency = got { $got }; kind = "{ $control }" takes { PLAIN($low, digits: 6) } to { PLAIN($high, digits: 6) } Hz for a shaper
-control-filter-damping = got { $got }; kind = "{ $control }" takes a damping ratio of { PLAIN($low, digits: 6) } to { PLAIN($high, digits: 6) } for this shaper
 filter-key-missing = missing: a filter with kind = "{ $kind }" needs it
 filter-key-unused = means nothing to a filter with kind = "{ $kind }": remove it
 filter-taps-sum = got taps whose sum is { PLAIN($sum, digits: 6) }, must be 1, or the axis would not arrive where it should: divide each by the sum
@@ -105,3 +102,4 @@ example-about = { $name }, axis { $axis_name } ({ $motion ->
    *[linear] linear
 }; modes at { $modes })
 control-lacks = kind = "{ $control }" has no { $what }; leave the key out
+control-filter-range = got { $got }; kind = "{ $control }" takes { $low } to { $high } here

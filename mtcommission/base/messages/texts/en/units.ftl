@@ -8,7 +8,6 @@ decimal-mark = .
 quantity-expected = must be in { $units }
 
 # What is wrong with a unit.
-unit-too-long = a unit has at most { $most } characters
 unit-unreadable = "{ $unit }" is not a unit; write it like "N s/m" or "m/s^2"
 unit-unknown = unknown unit "{ $unit }"
 # $worth: e.g. 1 lb = 0.45359237 kg

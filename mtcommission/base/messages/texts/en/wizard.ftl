@@ -175,3 +175,4 @@ insight-rotor-unknown = the { MASS($mass) } must contain the rotor: each kgÂ·cmÂ
 # Comments of a profile that the wizard writes.
 document-head = Machine profile for mtcommission; a quantity is a text with a unit, or a number in SI.
 document-assumed = Take a key out of assumed as soon as somebody knows its value.
+wizard-by-hand = entered by hand
