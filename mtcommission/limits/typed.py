@@ -26,7 +26,8 @@ MOST_TYPED, MOST_SCALED = 4, 8
 (empirical)."""
 
 FEW = 1
-"""Places that are refined, and typed, where the best of a loop much like this one is known."""
+"""Places that are refined and typed, and searches, where the best of a loop much like this one is
+known."""
 
 JUST_LESS, WELL_SOONER = 0.9995, 0.98
 """What the next limits use of what is allowed, if all is in proportion; and how much sooner longer
@@ -63,10 +64,10 @@ def find_typed(
     None where the search finds none; a settling time is not asked for. ``near`` and ``found`` as
     for ``choose_limits``.
     """
-    refined, most = (REFINED, MOST_TYPED) if near is None else (FEW, FEW)
+    refined, most, rounds = (REFINED, MOST_TYPED, ROUNDS) if near is None else (FEW, FEW, FEW)
     stricter = machine
     typed: list[Typed] = []
-    for _ in range(ROUNDS):
+    for _ in range(rounds):
         if not found:
             bench = build_bench(stricter, tuned)
             found = explore(bench, largest_jerk=largest_jerk, near=near, refined=refined)
