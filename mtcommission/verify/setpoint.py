@@ -75,9 +75,6 @@ class Motion:
     acceleration: Reached
     jerk: Reached
     blur: float  # by which begin and end may be off [s]
-    seen: float  # first sample that stands out of noise and resolution [s]
-    seen_travel: float  # to it, its magnitude [m]
-    seen_error: float  # of that, two standard deviations [m]
     is_cut: bool  # whether the record ends before the setpoint does
     start: float  # position before it [m]
     final_velocity: float  # [m/s]
@@ -206,8 +203,7 @@ class _Stretch:
         level = CALM * self.noise
         start = float(np.median(x[: self.first]))
         off = np.flatnonzero(np.abs(x - start) > level)
-        seen = int(off[0]) if off.size else self.first
-        begin = max(seen - 1, 0) if off.size else self.first
+        begin = max(int(off[0]) - 1, 0) if off.size else self.first
         top = float(np.ptp(x)) / (x.size * h)
         velocity = self._reached(1, slice(begin, x.size), wanted=WANTED * top)
         last, until, speed = min(self.last, x.size - 1), x.size - 1, 0.0
@@ -232,27 +228,36 @@ class _Stretch:
             number=0, plan=None, is_planned=False, begin=float(t[begin]), end=float(t[last]),
             until=float(t[until]), coasts=speed != 0.0,
             travel=(float(spline(t[last])) if speed else goal) - start, velocity=velocity,
-            acceleration=reached[0], jerk=reached[1], blur=h, seen=float(t[seen]),
-            seen_travel=abs(float(x[seen]) - start), seen_error=2.0 * self.noise, is_cut=is_cut,
+            acceleration=reached[0], jerk=reached[1], blur=h, is_cut=is_cut,
             start=start, final_velocity=speed, spline=spline,
         )  # fmt: skip
 
     def placed(self, motion: Motion) -> Motion:
-        """The move where its plan begins and ends, which says more than digits that are lost."""
+        """The move where its plan begins and ends, which says more than digits that are lost.
+
+        A filtered setpoint starts so slowly that its first milliseconds are below the resolution of
+        a record: the plan tells how long it took to the first sample that shows it.
+        """
         plan = motion.plan
         if plan is None:
             return motion
-        begin, blur = find_start(motion, plan)
-        end = motion.end if motion.is_cut else max(motion.end, begin + plan.duration)
-        motion = replace(motion, begin=begin, blur=blur, end=end)
-        told = motion.way * sample_setpoint(plan, self.t - begin)
-        missed, speed = self.x - motion.start - told[:, 0], told[:, 1]
-        # Between two samples: by all of them.
-        exact = begin - float(speed @ missed) / float(speed @ speed)
-        off = self.x - motion.start - motion.way * sample_setpoint(plan, self.t - exact)[:, 0]
-        if motion.is_cut or np.abs(off).max() > CALM * self.noise:
-            return motion
-        return replace(motion, begin=exact, end=exact + plan.duration, is_planned=True)
+        part = self.t <= motion.until
+        t, x = self.t[part], motion.way * (self.x[part] - motion.start)
+        seen = int(np.argmax(np.abs(x) > CALM * self.noise))
+        times = plan.duration * np.append(0.0, np.geomspace(1e-6, 1.0, START_SAMPLES))
+        doubt = 2.0 * self.noise * np.array([-1.0, 0.0, 1.0])
+        low, taken, high = np.interp(x[seen] + doubt, sample_setpoint(plan, times)[:, 0], times)
+        begin = float(t[seen] - taken)
+        if not motion.is_cut:
+            # All samples tell it better than the first, if they are the plan's.
+            told, speed, *_ = sample_setpoint(plan, t - begin).T
+            exact = begin - float(speed @ (x - told)) / float(speed @ speed)
+            off = np.abs(x - sample_setpoint(plan, t - exact)[:, 0])
+            if off.max() <= CALM * self.noise:
+                motion = replace(motion, is_planned=True, end=exact + plan.duration)
+                begin = exact
+            motion = replace(motion, end=max(motion.end, begin + plan.duration))
+        return replace(motion, begin=begin, blur=0.5 * float(high - low))
 
     def _reached_by_filter(self, order: int, part: slice, *, limit: float) -> Reached:
         """The same where a filter leaves little of the limit."""
@@ -361,18 +366,6 @@ def planned(motion: Motion, move: Move | None, entered: MotionLimits) -> Setpoin
         return plan_setpoint(move, entered)
     except MtcommissionError:
         return None
-
-
-def find_start(motion: Motion, plan: Setpoint) -> tuple[float, float]:
-    """Return when a move began, and by how much that may be off [s].
-
-    A filtered setpoint starts so slowly that its first milliseconds are below the resolution of a
-    record: the plan tells how long it took to the first sample that shows it.
-    """
-    t = plan.duration * np.append(0.0, np.geomspace(1e-6, 1.0, START_SAMPLES))
-    x, error = sample_setpoint(plan, t)[:, 0], motion.seen_error
-    low, taken, high = np.interp(motion.seen_travel + np.array([-error, 0.0, error]), x, t)
-    return motion.seen - float(taken), 0.5 * float(high - low)
 
 
 def _peaks(setpoint: Setpoint, order: int, reached: Reached) -> Array:
