@@ -13,11 +13,7 @@ from mtcommission.machine.machine import Machine
 from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.machine.readers import SignalValue
 from mtcommission.machine.requirements import Modes
-from mtcommission.study.attainable import (
-    Attainable,
-    find_attainable,
-    find_limits_by_mode,
-)
+from mtcommission.study.attainable import Attainable, find_attainable, find_limits_by_mode
 from tests.machines import paper_machine
 
 

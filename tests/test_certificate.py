@@ -12,10 +12,7 @@ from scipy.linalg import expm
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.plant.plant import build_plant
 from mtcommission.optimal.bang_bang import find_bang_bang
-from mtcommission.optimal.control import (
-    Certificate,
-    sample_trajectory,
-)
+from mtcommission.optimal.control import Certificate, sample_trajectory
 from mtcommission.optimal.free import BangBangMotion, certify, solve_time_optimal
 from mtcommission.optimal.modes import MomentProblem, moment_problem, moment_rows
 from mtcommission.optimal.switching import Control, build_mesh, isolate_zeros, prove_time

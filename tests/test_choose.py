@@ -12,12 +12,7 @@ from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.limits.choose import Choice, choose_limits
 from mtcommission.limits.commissioning_rule import apply_commissioning_rule
 from mtcommission.limits.judge import evaluate
-from mtcommission.limits.requirements import (
-    RESIDUAL_DEVIATION,
-    RMS_FORCE,
-    SET_FORCE,
-    SETTLING_TIME,
-)
+from mtcommission.limits.requirements import RESIDUAL_DEVIATION, RMS_FORCE, SET_FORCE, SETTLING_TIME
 from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb
 from mtcommission.loop.disturbance import encoder_noise
 from mtcommission.loop.tuning.tuning import tune_loop

@@ -14,11 +14,7 @@ from mtcommission.base.errors import ComputationError, Outcome
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.machine.readers import SignalValue
-from mtcommission.optimal.control import (
-    DampingOptimum,
-    Interior,
-    TimeOptimum,
-)
+from mtcommission.optimal.control import DampingOptimum, Interior, TimeOptimum
 from mtcommission.optimal.damping import balanced_weights, solve_damping_optimal
 from mtcommission.optimal.free import solve_time_optimal
 from tests.independent_damping import follow

@@ -12,18 +12,8 @@ import pytest
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.controls.kinds import GENERIC
 from mtcommission.loop.model.controller import filter_delay, filter_polynomials
-from mtcommission.loop.tuning.family import (
-    LoopFamily,
-    cascade_family,
-    find_filters,
-    tune_shape,
-)
-from mtcommission.loop.tuning.tuned import (
-    Shape,
-    TunedLoop,
-    close_loop,
-    corner_plants,
-)
+from mtcommission.loop.tuning.family import LoopFamily, cascade_family, find_filters, tune_shape
+from mtcommission.loop.tuning.tuned import Shape, TunedLoop, close_loop, corner_plants
 from mtcommission.machine.control import ForceFilter
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.profile.shipped import read_shipped

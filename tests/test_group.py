@@ -39,6 +39,7 @@ from mtcommission.machine.setpoint_filter import moving_average
 from mtcommission.record.read_back import close_as_held
 from tests.group_record import PROFILES, driven, mill
 from tests.independent_circle import circle_off, corner_off, entry_off, line_off
+from tests.test_group_agrees import FEWER
 
 X, Y = PROFILES / "mill-x.toml", PROFILES / "mill-y.toml"
 
@@ -263,7 +264,7 @@ def test_lines_in_every_direction_keep_what_was_judged_in_the_second_program(
 def test_axes_come_as_late_as_the_slowest_where_the_control_takes_a_wait() -> None:
     """In parts of a cycle, with which circles stay round; without a place for it they are oval."""
     changed = ('frequency = "197.4 Hz", damping', 'frequency = "130 Hz", damping')
-    found = join(task_of((changed,), ()))
+    found = join(task_of((changed, *FEWER), FEWER))
     first, second = found.pair
     waits = [axis.wait / first.poles.dt for axis in found.pair]
     assert max(abs(wait - round(wait)) for wait in waits) > 0.05
@@ -303,8 +304,8 @@ position_gain = """
     stated = 'velocity_cycle = "125 us"'
     found = join(
         task_of(
-            (WITHOUT_CONTOUR, (stated, f'{given}"50 1/s"')),
-            (WITHOUT_CONTOUR, (stated, f'{given}"30 1/s"')),
+            (WITHOUT_CONTOUR, *FEWER, (stated, f'{given}"50 1/s"')),
+            (WITHOUT_CONTOUR, *FEWER, (stated, f'{given}"30 1/s"')),
             tolerance="1mm",
             feed="6m/min",
         )

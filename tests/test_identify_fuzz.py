@@ -1,6 +1,6 @@
 """Broken files of every format: evidence or an error with the file's name, soon, never a traceback.
 
-MTCOMMISSION_FUZZ sets how many mutated files are tried (default: 300).
+MTCOMMISSION_FUZZ sets how many mutated files are tried (default: 200).
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from tests.recorded_traces import Spoilt, record_moves, write_csv
 from tests.test_identify_formats import ENCODER, GAMMA2, LINES, time_files
 from tests.test_verify import GANTRY, axis_of, limits_of, rebuilt_of, record_of
 
-COUNT = int(os.environ.get("MTCOMMISSION_FUZZ", "300"))
+COUNT = int(os.environ.get("MTCOMMISSION_FUZZ", "200"))
 
 
 def files() -> list[tuple[bytes, Given]]:

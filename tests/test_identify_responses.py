@@ -74,7 +74,7 @@ def test_lines_left_out_of_a_multisine_are_not_taken() -> None:
 
 def test_welch_says_its_window_and_its_errors_are_as_stated() -> None:
     rng = np.random.default_rng(3)
-    one = found(HEADS, record(rng.standard_normal(120_000), 0.05, 3))
+    one = found(HEADS, record(rng.standard_normal(60_000), 0.05, 3))
     assert {"identify-by-welch", "identify-no-reference"} <= kinds(one)
     assert one.averages > 4
     assert one.resolution_hz > 0.0

@@ -15,10 +15,7 @@ from mtcommission.limits.judge import evaluate
 from mtcommission.limits.requirements import RESIDUAL_DEVIATION, SET_FORCE, peak_of
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import Control, StateFeedback
-from mtcommission.machine.machine import (
-    Machine,
-    corners,
-)
+from mtcommission.machine.machine import Machine, corners
 from mtcommission.machine.moves import Positioning
 from mtcommission.machine.readers import SignalValue
 from mtcommission.machine.setpoint_filter import moving_average

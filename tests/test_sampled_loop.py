@@ -23,7 +23,7 @@ from tests.machines import paper_machine, random_modal_machine
 
 STEP = VelocityStep(velocity_step=0.1)
 TRAVEL = Positioning(distance=0.005, max_velocity=0.15)
-NOTCH = ForceFilter(kind="notch", natural_frequency=2 * pi * 72.0, damping=0.1)
+NOTCH = ForceFilter(kind="notch", natural_frequency=2 * pi * 72.0, damping=0.1, width=0.4)
 LOW_PASS = ForceFilter(kind="low_pass", natural_frequency=2 * pi * 600.0, damping=0.7)
 
 VARIANTS: dict[str, dict[str, object]] = {

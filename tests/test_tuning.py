@@ -34,9 +34,7 @@ from mtcommission.loop.tuning.tuned import (
     has_margins,
 )
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.control import (
-    StateFeedback,
-)
+from mtcommission.machine.control import StateFeedback
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.profile.read import read_profile
