@@ -12,11 +12,8 @@ from math import isfinite
 from mtcommission.base.messages.message import Message
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.moves import peak_velocity
-from mtcommission.machine.plant.plant import Plant, PlantMode, dominant_mode
+from mtcommission.machine.plant.plant import Plant, dominant_mode
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
-
-SLOWER_RAMPS = (2, 3)
-"""Periods of the dominant mode that a ramp may take besides one."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,8 +28,7 @@ class RuleOfThumb:
 def apply_rules_of_thumb(machine: Machine, plant: Plant) -> tuple[RuleOfThumb, ...]:
     """Return the rules of thumb applied to the nominal machine.
 
-    Source: the makers' manuals named in each rule; Biagiotti & Melchiorri 2008 for j = a f, and for
-    j = a f / k, the later zeros of the vibration.
+    Source: the makers' manuals named in each rule; Biagiotti & Melchiorri 2008 for j = a f.
     """
     a = machine.drive.motion_force / moving_mass(machine)
     mode = dominant_mode(plant)
@@ -40,7 +36,7 @@ def apply_rules_of_thumb(machine: Machine, plant: Plant) -> tuple[RuleOfThumb, .
     stiff = min(a, machine.requirements.tcp_deviation * omega**2)
     rules = [
         _rule("no-jerk-limit", "naive", without_jerk_limit(machine, a)),
-        _ramp_of_periods(mode, a, periods=1),
+        _rule("period", "zero-vibration", _with_jerk_time(a, 1.0 / f), mode=mode.name, frequency=f),
         _rule("stiffness", "static-deflection", _with_jerk_time(stiff, 1.0 / f)),
         _rule("ten", "grblhal", _with_jerk_time(a, 0.1)),
         _rule("hundred", "linuxcnc", _with_jerk_time(a, 0.01)),
@@ -49,22 +45,14 @@ def apply_rules_of_thumb(machine: Machine, plant: Plant) -> tuple[RuleOfThumb, .
     if isfinite(velocity):
         limits = MotionLimits(acceleration=a, jerk=a**2 / velocity)
         rules.append(_rule("velocity", "heidenhain", limits))
-    return (*rules, *(_ramp_of_periods(mode, a, periods=k) for k in SLOWER_RAMPS))
+    return tuple(rules)
 
 
-def _rule(name: str, source: str, limits: MotionLimits) -> RuleOfThumb:
+def _rule(name: str, source: str, limits: MotionLimits, **values: float | str) -> RuleOfThumb:
     return RuleOfThumb(
-        name=Message(f"rule-of-thumb-{name}"), source=Message(f"source-{source}"), limits=limits
-    )
-
-
-def _ramp_of_periods(mode: PlantMode, a: float, *, periods: int) -> RuleOfThumb:
-    """Return j = a f / k: a ramp of k periods of a mode."""
-    f = mode.frequency_hz
-    return RuleOfThumb(
-        name=Message("rule-of-thumb-periods", periods=periods, mode=mode.name, frequency=f),
-        source=Message("source-zero-vibration"),
-        limits=_with_jerk_time(a, periods / f),
+        name=Message(f"rule-of-thumb-{name}", **values),
+        source=Message(f"source-{source}"),
+        limits=limits,
     )
 
 

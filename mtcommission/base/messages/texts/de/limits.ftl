@@ -42,10 +42,7 @@ rule-of-thumb-no-jerk-limit = a = { $axis ->
     [open-loop] a_max
    *[other] F_max/m
 }, ohne Ruckgrenze
-rule-of-thumb-periods = { $periods ->
-    [1] j = a f ({ $mode }, { NUMBER($frequency, digits: 3) } Hz)
-   *[other] j = a f / { $periods } ({ $mode }, { NUMBER($frequency, digits: 3) } Hz)
-}
+rule-of-thumb-period = j = a f ({ $mode }, { NUMBER($frequency, digits: 3) } Hz)
 rule-of-thumb-stiffness = a = e ω², j = a f
 rule-of-thumb-ten = j = 10 a
 rule-of-thumb-hundred = j = 100 a
