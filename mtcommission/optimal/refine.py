@@ -41,6 +41,8 @@ ROUNDS = 8
 """Programs on finer and finer cells."""
 MOST_RADIANS = 3e5
 """Fastest rate times t_f up to which a control under bounds is looked for."""
+SPOILED = 100.0
+"""Times the best gap from which a program has held an arc where it should not (empirical)."""
 LOST, BLIND = 0.05, 1
 """Distance of the reach from 1 at which a program has not even found the time, and how many of the
 first ones may end so: their cells are too long for the bounds then."""
@@ -109,11 +111,10 @@ def refined(problem: BoundedProblem, first: Cells) -> Iterator[Seen]:
             seen = observe(problem, cells)
             yield seen
             if best is None or seen.gap < best.gap:
-                best, plan = seen, finer(problem, seen)
-            else:
-                # An arc held where it should not be spoils all multipliers.
-                plan = _halved(best.cells)
-            edges = best.mesh
+                best = seen
+            # An arc held where it should not be spoils all multipliers.
+            is_spoiled = seen.gap > SPOILED * best.gap
+            plan, edges = _halved(best.cells) if is_spoiled else finer(problem, seen), seen.mesh
         if plan.edges.size * max(plan.points.limit.size, plan.edges.size) > MOST_ENTRIES:
             return
 
