@@ -307,7 +307,7 @@ source = "s"  ->  source = "s"\nillustrative = 1
 "5 um"  ->  "5 um"\nfrequency_spread = "60 %"
   24: requirements.frequency_spread: got 60 %, must be from 0 to 0.5 (50 %)
 "5 um"  ->  "5 um"\ndamping_spread = 1
-  24: requirements.damping_spread: got 1, must be >= 0 and < 1 (100 %)
+  24: requirements.damping_spread: got 1, must be >= 0 and < 1
 "5 um"  ->  "5 um"\npayload = ["100 kg", "0 kg"]
   24: requirements.payload: got 100 kg to 0 kg, the least comes first
 "5 um"  ->  "5 um"\npayload = ["0 kg"]
@@ -511,7 +511,7 @@ def fault_of_file(path: Path) -> Fault:
             1,
             "is nested too deeply; a profile needs no more than three levels",
         ),
-        (b"#" * 200_001, 0, "is larger than 200000 bytes; that is no profile"),
+        (b"#" * 200_001, 0, "is larger than 200000 bytes; that is no such file"),
     ],
 )  # fmt: skip
 def test_a_file_that_is_no_profile(tmp_path: Path, data: bytes, line: int, message: str) -> None:

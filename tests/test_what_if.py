@@ -410,7 +410,7 @@ def test_limits_opens_the_page_and_its_command_line_gives_its_numbers(
 @pytest.mark.parametrize(
     ("option", "value", "said"),
     [
-        ("--filter", "hum:4", "--filter: got hum:4, must be one of: none, 8ms"),
+        ("--filter", "hum:4", '--filter: got "hum:4", must be one of: none, 8ms'),
         ("--filter", "moving_average:99s", "--filter: "),
         ("--move", "0", "--move: got 0, the profile has moves 1 to"),
         ("--size", "3kg", '--size: got "3kg"'),

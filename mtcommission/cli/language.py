@@ -43,7 +43,7 @@ def choose(language: str) -> str:
     if not language:
         return _spoken.get()
     if language not in LANGUAGES:
-        message = Message("option-no-language", got=language, allowed=tuple(LANGUAGES))
+        message = Message("option-one-of", got=language, allowed=tuple(LANGUAGES))
         raise InputError.at("--language", message)
     _spoken.set(language)
     _rotary.set(False)

@@ -238,7 +238,7 @@ def read_columns(pairs: Sequence[str]) -> Mapping[str, str]:
     for pair in pairs:
         name, equals, column = pair.partition("=")
         if not (name.strip() and equals and column.strip()):
-            raise InputError.at("--columns", Message("identify-option-columns", got=pair))
+            raise InputError.at("--columns", Message("option-form", got=pair, form="NAME=COLUMN"))
         found[name.strip()] = column.strip()
     return found
 

@@ -120,7 +120,7 @@ class Options:
         name, separator, value = text.partition("=")
         name = name.strip()
         if not separator:
-            self.refuse("--limit", Message("option-no-bound", got=repr(text)))
+            self.refuse("--limit", Message("option-form", got=text, form="NAME=VALUE"))
         elif name not in plant.signals:
             hint = propose(name, plant.signals)
             self.refuse("--limit", Message("option-no-signal", got=repr(name), hint=hint))
@@ -386,7 +386,7 @@ def _read_filter(machine: Machine, text: str, options: Options) -> SetpointFilte
     if not control.kind.find_filter(name) or len(numbers) != len(KEYS[name]) or name == FIR:
         kinds = [choice.kind for choice in control.kind.setpoint_filters if choice.kind != FIR]
         forms = ("none", *(FILTER_FORMS.get(kind, f"{kind}:45Hz:0.02") for kind in kinds))
-        options.refuse(where, Message("option-filter-form", got=text.strip(), forms=forms))
+        options.refuse(where, Message("option-one-of", got=text.strip(), allowed=forms))
         return None
     reading = Reading(axis=machine.axis_units, states={}, outputs={}, follows=machine.drive.follows)
     stated = {"kind": name, **dict(zip(KEYS[name], numbers, strict=True))}

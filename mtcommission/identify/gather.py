@@ -105,7 +105,7 @@ def read_file(
     items = [item for item in contents.items if response in ("", item.label)]
     if not items:
         labels = ", ".join(item.label for item in contents.items)
-        raise refuse(name, "identify-no-such-response", got=response, names=labels)
+        raise refuse(name, "identify-not-there", got=response, found=labels)
     for item in items:
         try:
             found, used = _read_item(item, replace(source, label=item.label), given, remarks)

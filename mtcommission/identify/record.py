@@ -252,7 +252,7 @@ def _require_known(
             place=place,
             name=column.name,
             unit=column.unit or "?",
-            what=Message(f"identify-signal-{meaning.seen if meaning else 'unknown'}"),
+            what=Message(f"identify-signal-{meaning.seen}" if meaning else "identify-not-known"),
         )
         for place, (column, meaning) in enumerate(zip(columns, meanings, strict=True), start=1)
     )

@@ -193,7 +193,7 @@ class Machine:
         names = [state.name for state in self.states]
         for place, name in enumerate(names):
             if name in names[:place]:
-                yield f"machine_states.{place}.name", Message("state-named-twice", name=name)
+                yield f"machine_states.{place}.name", Message("named-twice", name=name)
         spread = self.requirements.damping_spread
         most_damped = max(mode.damping_ratio for mode in self.mechanics.modes)
         largest = most_damped * (1.0 + spread)

@@ -142,7 +142,7 @@ class Requirements:
             message = Message("frequency-spread-large", got=self.frequency_spread)
             yield "frequency_spread", message
         if self.damping_spread >= 1.0:
-            yield "damping_spread", Message("damping-spread-large", got=self.damping_spread)
+            yield "damping_spread", Message("damping-ratio-beyond-one", got=self.damping_spread)
         if isfinite(self.contour_feed) and not isfinite(self.contour_deviation):
             yield "contour_feed", Message("contour-feed-without-deviation")
         low, high = self.payload

@@ -143,7 +143,7 @@ def load_json(path: Path) -> Any:
     most = LARGEST_FILE
     content = read_bytes(path, folder=Message("record-is-directory"), most=most + 1)
     if len(content) > most:
-        raise fault(path, Message("record-too-large", most=most))
+        raise fault(path, Message("file-too-large", most=most))
     try:
         return json.loads(
             content.decode("utf-8-sig"), parse_constant=_refuse, parse_float=_read_float

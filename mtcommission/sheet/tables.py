@@ -33,7 +33,7 @@ def words_for(machine: MachineEntry, language: str) -> Catalogue:
         If there is no such language.
     """
     if language not in LANGUAGES:
-        message = Message("option-no-language", got=language, allowed=tuple(LANGUAGES))
+        message = Message("option-one-of", got=language, allowed=tuple(LANGUAGES))
         raise InputError([Fault(where="--language", message=message)])
     return Catalogue(language, rotary=machine.motion == "rotary", follows=machine.follows)
 

@@ -161,7 +161,7 @@ def read_range(text: str, *, where: str) -> tuple[tuple[str, ...], ...]:
         refuse("sweep-ends-with-two-units")
     for part in parts[2:]:
         if not (part.isascii() and part.isdigit()):
-            refuse("sweep-no-whole-number", got=repr(part))
+            refuse("usage-number", option=repr(part))
     count = int(parts[2])
     if not 1 <= count <= MOST_VALUES:
         refuse("sweep-count-of-range", most=MOST_VALUES)

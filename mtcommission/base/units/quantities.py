@@ -79,7 +79,7 @@ def parse_quantity(text: str, dimension: Dimension, *, decimal_comma: bool = Fal
     text = text.replace("\t", " ")
     shown = _shorten(text)
     if not text.isprintable():
-        raise Refused(Message("quantity-with-control-characters", got=shown))
+        raise Refused(Message("text-with-control-characters"))
     if len(text) > LONGEST_TEXT:
         raise Refused(Message("quantity-too-long", got=shown, most=LONGEST_TEXT))
     number, unit = _split_number(text, shown, dimension, decimal_comma=decimal_comma)
@@ -143,20 +143,20 @@ def _split_number(
     if match is not None:
         return match[0], plain[match.end() :].strip()
     if re.match(r"[+-]?(nan|inf)", plain, re.IGNORECASE):
-        raise Refused(Message("number-infinite", got=shown))
+        raise Refused(Message("got-infinite", got=f'"{shown}"'))
     raise Refused(Message("quantity-without-number", got=shown, expected=dimension.expected))
 
 
 def _value(number: str, unit: Unit, shown: str) -> float:
     rough = float(number)
     if not isfinite(rough):
-        raise Refused(Message("number-infinite", got=shown))
+        raise Refused(Message("got-infinite", got=f'"{shown}"'))
     # Also keeps "0e999999999" from being spelt out as a fraction.
     if rough == 0.0:
         return 0.0
     exact = Fraction(number) * unit.factor
     if abs(exact) > LARGEST:
-        raise Refused(Message("number-infinite", got=shown))
+        raise Refused(Message("got-infinite", got=f'"{shown}"'))
     return float(exact) * pi**unit.pi_power
 
 

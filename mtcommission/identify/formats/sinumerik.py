@@ -240,7 +240,7 @@ def _session(root: Element, response: str, file: str) -> FileContents:
         if (name := one.get("name", "")) and name not in (PLANT, COHERENCE):
             named.setdefault(name, one)
     if (response or taken) not in named:
-        raise broken("identify-no-such-response", got=response, names=", ".join(named))
+        raise broken("identify-not-there", got=response, found=", ".join(named))
     chosen = named[response or taken]
     unit, remarks = _frequency_unit(root, speed, chosen)
     if axis := _text(root, "m_szAxisName"):

@@ -65,7 +65,7 @@ def find_column(names: Sequence[str], wanted: str) -> tuple[int, str | None]:
     if name.isdigit() and 1 <= int(name) <= len(names):
         return int(name) - 1, unit or None
     found = tuple(f"{place}: {one or '?'}" for place, one in enumerate(names, start=1))
-    raise refuse("--columns", "identify-no-column", got=wanted, found=found)
+    raise refuse("--columns", "identify-not-there", got=wanted, found=found)
 
 
 def find_columns(

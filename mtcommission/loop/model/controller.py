@@ -128,20 +128,20 @@ def list_delays(controller: Controller) -> list[PathDelay]:
     in_drive = controller.position_loop is PositionLoop.DRIVE
     position = (0.0, 0.0) if in_drive else (T_p, held)
     paths = {  # age of the setpoint, dead time, hold, lag
-        "position-setpoint": (controller.reference_delay, 0.0, 0.0, 0.0),
-        "position-controller": (0.0, *position, 0.0),
-        "velocity-feed-forward": (controller.velocity_age, T_p, down, 0.0),
-        "wanted-state": (controller.reference_age, T_p, down, 0.0),
-        "force-feed-forward": (0.0, T_p + T_v, down + half, left + filters),
-        "velocity-controller": (half, T_v, half, controller.force_lag + filters),
+        "path-position-setpoint": (controller.reference_delay, 0.0, 0.0, 0.0),
+        "path-position-controller": (0.0, *position, 0.0),
+        "has-velocity-feedforward": (controller.velocity_age, T_p, down, 0.0),
+        "path-wanted-state": (controller.reference_age, T_p, down, 0.0),
+        "has-acceleration-feedforward": (0.0, T_p + T_v, down + half, left + filters),
+        "path-velocity-controller": (half, T_v, half, controller.force_lag + filters),
     }
     if controller.follows:
-        paths = {"position-setpoint": (0.0, T_p, T_p, 0.0)}
+        paths = {"path-position-setpoint": (0.0, T_p, T_p, 0.0)}
     elif not controller.state_gains.any():
-        del paths["wanted-state"]
+        del paths["path-wanted-state"]
     return [
         PathDelay(
-            path=Message(f"path-{path}"),
+            path=Message(path),
             setpoint_age=age,
             dead_time=dead,
             hold=hold,

@@ -89,7 +89,7 @@ class Modal(Mechanics):
         """Return key below [plant] and message of names used twice and of equal poles."""
         names = [mode.name for mode in self.modes]
         faults = [
-            (f"modes.{place}.name", Message("mode-named-twice", name=name))
+            (f"modes.{place}.name", Message("named-twice", name=name))
             for place, name in enumerate(names)
             if name in names[:place]
         ]

@@ -2,7 +2,6 @@ either = { $first } oder { $last }
 
 option-between = { $got } angegeben, muss zwischen { $least } und { PLAIN($most, digits: 12) } liegen
 option-not-positive = { $got } angegeben, muss > 0 { $unit } sein
-option-filter-form = { $got } angegeben, muss eine davon sein: { $forms }
 option-no-such-move = { $got } angegeben, das Profil hat die Bewegungen 1 bis { $count }
 option-force-below-static-load = { PLAIN($force, digits: 6) } { $unit } angegeben, muss über dem liegen, was statische Last und Reibung nehmen: { PLAIN($load, digits: 6) } { $unit }
 option-given-twice = { $name } ist { $count }-mal angegeben; jeden Zustand oder Ausgang einmal angeben
@@ -11,9 +10,7 @@ option-jerk-of-what-follows = gehört zu --kind time, --method exact und drive.k
 option-jerk-all-but-jumps = mit { PLAIN($jerk, digits: 6) } { $unit } erreicht die Beschleunigung ihre Grenze in { TIME($ramp) }, so gut wie sofort; ohne --jerk springt sie
 option-bounds-need-transcription = Schranken an einer dämpfungsoptimalen Steuerung brauchen --method transcription
 option-step-or-distance = verträgt sich nicht mit --velocity-step; eines von beiden angeben
-option-no-bound = { $got } angegeben, muss NAME=WERT sein
 option-no-signal = kein Zustand oder Ausgang { $got }{ $hint }
-option-no-language = "{ $got }" angegeben, muss eine davon sein: { $allowed }
 
 file-folder-not-writable = dort kann nicht geschrieben werden ({ $reason }); mit -o einen anderen Ordner angeben
 file-above = { $place } ist eine Datei
@@ -66,3 +63,5 @@ usage-there-are = { " " }(es gibt: { $names })
 usage-value = { $option } nimmt nur dort einen Wert, wo --help einen zeigt
 usage-number = { $option } muss eine ganze Zahl sein
 usage-too-many = mehr Dateien oder Namen, als der Befehl nimmt
+option-form = „{ $got }“ angegeben, muss { $form } sein
+option-one-of = „{ $got }“ angegeben, muss eines davon sein: { $allowed }

@@ -168,7 +168,6 @@ identify-file-twice = enthält dieselbe Messung wie { $other }, die doppelt zäh
 identify-option-number = gegeben "{ $got }", muss eine Zahl ungleich 0 sein
 identify-option-band = gegeben "{ $got }", muss UNTEN:OBEN in Hz sein mit 0 < UNTEN < OBEN, z. B. 8:300
 identify-option-modes = gegeben "{ $got }", muss auto oder 1 bis { $most } sein
-identify-option-columns = gegeben "{ $got }", muss NAME=SPALTE sein
 
 # Der Abschnitt im Inbetriebnahmeblatt
 identified-heading = Was gemessen wurde

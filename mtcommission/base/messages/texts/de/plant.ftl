@@ -8,7 +8,6 @@ modes-at-one-frequency = Eigenformen { $one } und { $other } bei { PLAIN($freque
 equal-poles = { $modes }: { modes-have-equal-poles }
 mode-not-driven = die { word-force } treibt die Eigenform { $mode } nicht an (Hebelarm 0)
 state-mode-unknown = nennt keine Eigenform aus [plant], muss { $names } sein
-state-named-twice = „{ $name }“ zweimal angegeben, Zustände müssen verschieden heißen
-mode-named-twice = „{ $name }“ zweimal angegeben, Namen müssen verschieden sein
 lever-arm-zero = 0 angegeben, aber die { word-force } muss den Turm drehen; den Hebelarm angeben oder die Achse als kind = "modal" beschreiben
 damping-beyond-critical = { $got } angegeben, das ist ein Dämpfungsgrad von { PLAIN($ratio, digits: 3) }; muss < { PLAIN($most, digits: 4) } { $unit } sein (Dämpfungsgrad 1)
+named-twice = „{ $name }“ zweimal angegeben, die Namen müssen sich unterscheiden

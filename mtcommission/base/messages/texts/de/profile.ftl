@@ -9,7 +9,7 @@ a-huge-integer = eine ganze Zahl jenseits aller Grenzen
 file-missing = diese Datei gibt es nicht; den Namen prüfen
 file-is-directory = ist ein Ordner; ein Profil (.toml) darin nennen
 file-unreadable = nicht lesbar: { $reason }
-file-too-large = ist größer als { PLAIN($most, digits: 9) } Byte; das ist kein Profil
+file-too-large = ist größer als { PLAIN($most, digits: 9) } Byte; das ist keine solche Datei
 file-binary = ist eine Binär- oder UTF-16-Datei; das Profil als UTF-8-Text speichern
 file-is-json = ist JSON wie die Ergebnisdatei eines Laufs; das Maschinenprofil (.toml) angeben, oder sie an sheet oder export
 file-not-utf8 = Byte { $byte } ist kein UTF-8; das Profil als UTF-8-Text speichern
@@ -54,7 +54,6 @@ move-with-neither = weder velocity_step noch distance angegeben, genau eines ang
 move-with-both = velocity_step und distance angegeben, genau eines angeben
 max-velocity-without-distance = gehört zu einer Bewegung mit distance; distance angeben oder den Schlüssel entfernen
 frequency-spread-large = { $got } angegeben, muss zwischen 0 und 0,5 (50 %) liegen
-damping-spread-large = { $got } angegeben, muss >= 0 und < 1 (100 %) sein
 damping-spread-beyond-one = { $got } angegeben, das hebt einen Dämpfungsgrad im ungünstigsten Eckfall auf { PLAIN($largest, digits: 3) }; muss < 1 bleiben; höchstens { PLAIN($allowed, digits: 3) } ({ PLAIN($allowed, digits: 3, unit: "%") } %) angeben
 payload-reversed = { $first } bis { $last } angegeben, die kleinste kommt zuerst
 cycle-no-multiple = { $got } angegeben, das { PLAIN($ratio, digits: 6) }-Fache von velocity_cycle = { $velocity_cycle }; muss ein ganzes Vielfaches sein

@@ -1,5 +1,4 @@
 record-not-readable = keine Ergebnisdatei von mtcommission run: { $why }
-record-too-large = ist größer als { PLAIN($most, digits: 9) } Bytes; das ist keine Ergebnisdatei
 record-without-profile = eine Ergebnisdatei enthält den Text des Profils, und diese Maschine wurde aus keiner Datei gerechnet; die Datei des Profils rechnen
 record-steers = enthält Zeichen, die ein Terminal steuern und die kein Lauf schreibt; das Profil neu rechnen
 record-not-json = keine Ergebnisdatei von mtcommission run: der Inhalt ist kein JSON; das record.json angeben, das mtcommission run schreibt
@@ -38,9 +37,7 @@ source-measured = gemessen, { $date }
 
 path-position-setpoint = Lagesollwert
 path-position-controller = Lageregler
-path-velocity-feed-forward = Geschwindigkeitsvorsteuerung
 path-wanted-state = Sollzustand
-path-force-feed-forward = { word-force-before }vorsteuerung
 path-velocity-controller = Geschwindigkeitsregler
 
 # Friction

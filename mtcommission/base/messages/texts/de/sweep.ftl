@@ -15,7 +15,6 @@ sweep-empty-value = hat einen leeren Wert
 sweep-no-range = erhalten { $got }: { $reason }
 sweep-forms-of-ranges = muss START:STOP:COUNT, log:START:STOP:COUNT, random:LOW:HIGH:COUNT:SEED oder eine Liste mit Kommas sein
 sweep-ends-with-two-units = beide Enden mit derselben Einheit schreiben oder beide ohne (SI)
-sweep-no-whole-number = { $got } muss eine ganze Zahl sein
 sweep-count-of-range = die Anzahl muss zwischen 1 und { PLAIN($most, digits: 12) } liegen
 sweep-logarithm-of-zero = ein logarithmischer Bereich braucht Enden > 0
 sweep-no-number = { $got } beginnt nicht mit einer Zahl

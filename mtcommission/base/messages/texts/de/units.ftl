@@ -7,12 +7,10 @@ unit-unknown = unbekannte Einheit „{ $unit }“
 unit-worth = {" "}({ $worth })
 unit-meant = {" "}(ist „{ $unit }“ gemeint?)
 
-quantity-with-control-characters = „{ $got }“ enthält Steuerzeichen; sie entfernen
 quantity-too-long = „{ $got }“ ist zu lang; eine Größe hat höchstens { $most } Zeichen
 quantity-without-unit = „{ $got }“ angegeben: { $why }{ $advice }; { $expected }
 g-is-the-gram = { " " }(g ist hier das Gramm, 9.81 m/s^2 schreiben)
 quantity-without-number = „{ $got }“ angegeben, das beginnt nicht mit einer Zahl; { $expected }
-number-infinite = „{ $got }“ angegeben, muss eine endliche Zahl sein
 number-with-separators = „{ $got }“ angegeben; die Zahl ohne Tausendertrennzeichen schreiben
 number-with-comma = „{ $got }“ mit Komma angegeben; mit Punkt schreiben: "{ $wanted }"
 

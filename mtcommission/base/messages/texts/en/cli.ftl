@@ -4,7 +4,6 @@ either = { $first } or { $last }
 
 option-between = got { $got }, must be { $least } to { PLAIN($most, digits: 12) }
 option-not-positive = got { $got }, must be > 0 { $unit }
-option-filter-form = got { $got }, must be one of: { $forms }
 option-no-such-move = got { $got }, the profile has moves 1 to { $count }
 # $force, $load: SI, printed as typed
 option-force-below-static-load = got { PLAIN($force, digits: 6) } { $unit }, must be above what static load and friction take, { PLAIN($load, digits: 6) } { $unit }
@@ -14,9 +13,7 @@ option-jerk-of-what-follows = goes with --kind time, --method exact and drive.ki
 option-jerk-all-but-jumps = with { PLAIN($jerk, digits: 6) } { $unit } the acceleration reaches its limit within { TIME($ramp) }, all but at once; leave --jerk out, which lets it jump
 option-bounds-need-transcription = bounds on a damping-optimal control need --method transcription
 option-step-or-distance = cannot go with --velocity-step; give one of them
-option-no-bound = got { $got }, must be NAME=VALUE
 option-no-signal = no state or output { $got }{ $hint }
-option-no-language = got "{ $got }", must be one of: { $allowed }
 
 file-folder-not-writable = cannot write there ({ $reason }); give another folder with -o
 file-above = { $place } is a file
@@ -70,3 +67,5 @@ usage-there-are = { " " }(there are: { $names })
 usage-value = { $option } takes a value just where --help shows one
 usage-number = { $option } must be a whole number
 usage-too-many = more files or names than the command takes
+option-form = got "{ $got }", must be { $form }
+option-one-of = got "{ $got }", must be one of: { $allowed }

@@ -159,7 +159,6 @@ identify-file-twice = holds the same measurement as { $other }, which would coun
 identify-option-number = got "{ $got }", must be a number other than 0
 identify-option-band = got "{ $got }", must be LOW:HIGH in Hz with 0 < LOW < HIGH, e.g. 8:300
 identify-option-modes = got "{ $got }", must be auto or 1 to { $most }
-identify-option-columns = got "{ $got }", must be NAME=COLUMN
 
 # The sheet's section
 identified-heading = What was measured

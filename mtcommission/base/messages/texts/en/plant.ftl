@@ -15,8 +15,7 @@ modes-at-one-frequency = modes { $one } and { $other } at { PLAIN($frequency, di
 equal-poles = { $modes }: { modes-have-equal-poles }
 mode-not-driven = mode { $mode } is not driven by the { word-force } (lever arm 0)
 state-mode-unknown = names none of the modes of [plant], must be { $names }
-state-named-twice = got "{ $name }" twice, states must have different names
-mode-named-twice = got "{ $name }" twice, names must differ
 lever-arm-zero = got 0, but the { word-force } must turn the tower; give the arm, or describe the axis as kind = "modal"
 # $got, $most: in $unit
 damping-beyond-critical = got { $got }, a damping ratio of { PLAIN($ratio, digits: 3) }; must be < { PLAIN($most, digits: 4) } { $unit } (ratio 1)
+named-twice = got "{ $name }" twice, names must differ

@@ -13,7 +13,7 @@ a-huge-integer = an integer beyond all bounds
 file-missing = there is no such file; check the name
 file-is-directory = is a directory; name a profile (.toml) in it
 file-unreadable = cannot be read: { $reason }
-file-too-large = is larger than { PLAIN($most, digits: 9) } bytes; that is no profile
+file-too-large = is larger than { PLAIN($most, digits: 9) } bytes; that is no such file
 file-binary = is a binary or UTF-16 file; save the profile as UTF-8 text
 file-is-json = is JSON, as the record of a run is; give the machine profile (.toml), or the record to sheet or export
 file-not-utf8 = byte { $byte } is not UTF-8; save the profile as UTF-8 text
@@ -65,7 +65,6 @@ move-with-neither = got neither of velocity_step and distance, give exactly one
 move-with-both = got both of velocity_step and distance, give exactly one
 max-velocity-without-distance = belongs to a move with distance; give distance, or remove it
 frequency-spread-large = got { $got }, must be from 0 to 0.5 (50 %)
-damping-spread-large = got { $got }, must be >= 0 and < 1 (100 %)
 damping-spread-beyond-one = got { $got }, which raises a damping ratio to { PLAIN($largest, digits: 3) } in the worst corner, where it must stay < 1; state at most { PLAIN($allowed, digits: 3) } ({ PLAIN($allowed, digits: 3, unit: "%") } %)
 payload-reversed = got { $first } to { $last }, the least comes first
 # [s]

@@ -2,7 +2,6 @@
 # $keys: in the JSON; $constant: what stands for a number; $given, $read: versions of the schema
 
 record-not-readable = not a record of mtcommission run: { $why }
-record-too-large = is larger than { PLAIN($most, digits: 9) } bytes; that is no record
 record-without-profile = a record holds the text of the profile, and this machine was not run from one; run the profile's file
 record-steers = holds characters that steer a terminal, which no run writes; run the profile again
 record-not-json = not a record of mtcommission run: its contents are not JSON; give the record.json that mtcommission run writes
@@ -41,9 +40,7 @@ source-measured = measured, { $date }
 
 path-position-setpoint = position setpoint
 path-position-controller = position controller
-path-velocity-feed-forward = velocity feed-forward
 path-wanted-state = wanted state
-path-force-feed-forward = { word-force } feed-forward
 path-velocity-controller = velocity controller
 
 # Friction

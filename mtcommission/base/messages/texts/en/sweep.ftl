@@ -17,7 +17,6 @@ sweep-empty-value = has an empty value
 sweep-no-range = got { $got }: { $reason }
 sweep-forms-of-ranges = must be START:STOP:COUNT, log:START:STOP:COUNT or random:LOW:HIGH:COUNT:SEED, or a comma list
 sweep-ends-with-two-units = write both ends with the same unit, or both without (SI)
-sweep-no-whole-number = { $got } must be a whole number
 sweep-count-of-range = the count must be 1 to { PLAIN($most, digits: 12) }
 sweep-logarithm-of-zero = a logarithmic range needs ends > 0
 sweep-no-number = { $got } does not begin with a number

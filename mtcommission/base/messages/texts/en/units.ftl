@@ -15,12 +15,10 @@ unit-worth = {" "}({ $worth })
 unit-meant = {" "}(did you mean "{ $unit }"?)
 
 # What is wrong with a quantity; $advice is empty, unit-worth or unit-meant, $hint empty or g-is-the-gram.
-quantity-with-control-characters = got "{ $got }" with control characters; remove them
 quantity-too-long = got "{ $got }"; a quantity has at most { $most } characters
 quantity-without-unit = got "{ $got }": { $why }{ $advice }; { $expected }
 g-is-the-gram = { " " }(g is the gram here, write 9.81 m/s^2)
 quantity-without-number = got "{ $got }", which does not begin with a number; { $expected }
-number-infinite = got "{ $got }", must be a finite number
 number-with-separators = got "{ $got }"; write the number without thousands separators
 number-with-comma = got "{ $got }" with a comma; write it with a point: "{ $wanted }"
 
