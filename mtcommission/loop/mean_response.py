@@ -11,7 +11,7 @@ the same of the filter's own steps. Within 0.1 % of ``loop.respond.free_motion``
 screw (1 ms), within some per cent where cycles are long against what rings, at a tenth of the time:
 for searching, never to judge.
 
-Source: derived here; held to ``loop.respond.free_motion`` by tests/test_mean_response.py.
+Source: derived here; held to ``loop.respond.free_motion`` by tests/test_respond.py.
 """
 
 from __future__ import annotations
