@@ -21,7 +21,14 @@ from mtcommission.machine.moves import Positioning, VelocityStep
 from mtcommission.machine.plant.plant import Plant, build_plant, driven_at_once
 from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
-from mtcommission.optimal.control import Bound, Boundary, TimeOptimum, propagate, sample_trajectory
+from mtcommission.optimal.control import (
+    Bound,
+    Boundary,
+    TimeOptimum,
+    balanced_expm,
+    propagate,
+    sample_trajectory,
+)
 from mtcommission.optimal.modes import impulse_response, step_response, transition
 from mtcommission.optimal.newton import solve_sequence
 from mtcommission.optimal.problem import Atom, BoundedProblem, bounded_problem
@@ -223,6 +230,22 @@ def test_responses_agree_with_the_matrix_exponential(plant: Plant) -> None:
         assert np.all(np.abs(step_response(plant, at) - flow[:size, size]) < 1e-11 * size_of)
         assert_allclose(transition(plant, at), flow[:size, :size], atol=1e-11 * size_of.max())
         assert_allclose(impulse_response(plant, at), flow[:size, :size] @ plant.B, rtol=1e-9)
+
+
+def test_a_long_boundary_arc_keeps_its_digits() -> None:
+    """Tight bounds were lost to this. Taylor steps with 64 bits of mantissa, one by one."""
+    problem = paper_problem("v_phi", 7e-4)
+    flow, scale = problem.limits[0].boundary_flow, problem.state_scale
+    step = flow.matrix.astype(np.longdouble) * 0.05 / 4000
+    term = short = np.eye(len(step), dtype=np.longdouble)
+    for k in range(1, 14):
+        term = term @ step / k
+        short = short + term
+    exact = short
+    for _ in range(3999):
+        exact = short @ exact
+    for found, least in ((flow.over(0.05), 1e-11), (balanced_expm(flow.matrix * 0.05), 1e-10)):
+        assert np.abs((found - exact) * scale / scale[:, np.newaxis]).max() < least
 
 
 def touching_extremal() -> tuple[BoundedProblem, Pieces]:
