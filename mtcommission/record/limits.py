@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 from mtcommission.base.messages.message import Message
@@ -43,8 +42,9 @@ def _plotted(name: str) -> Callable[[Any], Array]:
 
 def _ends(error: KeptRange | None) -> list[float] | None:
     """Both ends of a range that was found; None where an end was not."""
-    ends = [error.kept_from, error.kept_to] if error else []
-    return ends if ends and all(map(isfinite, ends)) else None
+    if error is None or error.kept_from is None or error.kept_to is None:
+        return None
+    return [error.kept_from, error.kept_to]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -240,7 +240,7 @@ def limits_part(found: Commissioning) -> LimitsPart:
             machine,
             choice,
             frequency_range=_ends(kept.frequency_error),
-            damping_range=_ends(kept.damping_range),
+            damping_range=_ends(kept.damping_error),
         ),
         listed_only=listed
         and entry_of(ListedEntry, listed, valid_for=_sizes(machine, every=False)),

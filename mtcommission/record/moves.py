@@ -189,30 +189,6 @@ def move_entry(plant: Plant, tuned: TunedLoop, result: MoveResult) -> MoveEntry:
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RangeEntry:
-    """The limits where all frequencies or damping ratios are off by a factor.
-
-    Worst over moves and corners. An end of the kept range that is the first or last ``factor`` may
-    lie further out.
-    """
-
-    factor: list[float]
-    settling_time: list[float | None]
-    residual_deviation: list[float | None]
-    kept_from: float | None  # every requirement is kept from here; None: not even at 1
-    kept_to: float | None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RobustnessPart:
-    """How the recommended limits fare where machine or limits differ a little."""
-
-    frequency_error: RangeEntry
-    damping_error: RangeEntry = of("damping_range")
-    warnings: list[Words]  # on what unstated knowledge the verdict hangs
-
-
 def by_name(names: Sequence[str], values: Array) -> dict[str, float]:
     """Return values by the names of signals or states."""
     return dict(zip(names, values.tolist(), strict=True))

@@ -31,7 +31,7 @@ from mtcommission.record.machine import (
     list_assumptions,
     list_data,
 )
-from mtcommission.record.moves import AssessmentPart, MoveEntry, RobustnessPart, move_entry
+from mtcommission.record.moves import AssessmentPart, MoveEntry, move_entry
 from mtcommission.record.optima import OptimaEntry, optima_entry
 from mtcommission.record.shape import (
     Words,
@@ -43,6 +43,7 @@ from mtcommission.record.shape import (
     to_entry,
     to_plain,
 )
+from mtcommission.study.robustness import Robustness
 from mtcommission.study.settings import PRINTED
 
 if TYPE_CHECKING:
@@ -90,7 +91,7 @@ class Record:
     limits: LimitsPart
     loop: LoopPart
     moves: list[MoveEntry]
-    robustness: RobustnessPart
+    robustness: Robustness
     assessment: AssessmentPart
     identified: IdentifiedPart | None = None
     what_if: WhatIfPart | None = None  # None: no loop was closed
@@ -166,7 +167,7 @@ def build_record(
             machine, plant, found.loop, found.disturbed, cross_check=_cross_check(tuned)
         ),
         moves=[move_entry(plant, tuned, result) for result in moves],
-        robustness=entry_of(RobustnessPart, robustness),
+        robustness=robustness,
         assessment=entry_of(AssessmentPart, found.assessment),
         identified=identified,
         what_if=what_if_part(machine, plant, tuned, found.choice.limits, found.today),

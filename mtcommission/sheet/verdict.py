@@ -25,7 +25,7 @@ from mtcommission.machine.checks import (
 )
 from mtcommission.machine.setpoint_filter import name_shaper
 from mtcommission.record.machine import datum_name, say_assumed
-from mtcommission.record.moves import Check, RangeEntry
+from mtcommission.record.moves import Check
 from mtcommission.sheet.document import (
     BigValue,
     Block,
@@ -46,6 +46,7 @@ from mtcommission.sheet.tables import (
     show,
     table,
 )
+from mtcommission.study.robustness import KeptRange
 
 if TYPE_CHECKING:
     from mtcommission.controls.syntax import Entry
@@ -481,7 +482,7 @@ def _control(record: Record, words: Catalogue) -> str:
     return f"{name}; {mark_assumed(said, keys, assumed, words)}"
 
 
-def _spread(record: Record, kind: str, error: RangeEntry, words: Catalogue) -> str:
+def _spread(record: Record, kind: str, error: KeptRange, words: Catalogue) -> str:
     """The spread that was asked for, and the range in which all is kept."""
     key, kept = f"requirements.{kind}_spread", _kept_ends(error, words)
     spread, said = find_number(record, key), words.text("spread-none")
@@ -491,7 +492,7 @@ def _spread(record: Record, kind: str, error: RangeEntry, words: Catalogue) -> s
     return f"{said}; {where}"
 
 
-def _kept_ends(error: RangeEntry, words: Catalogue) -> dict[str, str]:
+def _kept_ends(error: KeptRange, words: Catalogue) -> dict[str, str]:
     """Both ends of the range that is kept; empty if not even the profile's own values are."""
     low, high = error.kept_from, error.kept_to
     if low is None or high is None:

@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import compress
-from math import inf, nan
+from math import inf, isfinite, nan
 from typing import Any
 
 import numpy as np
@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from mtcommission.base.messages.message import Message, join_by_and
 from mtcommission.limits.bench import build_bench
 from mtcommission.limits.judge import MoveResult
-from mtcommission.limits.requirements import Requirement, requirements_of
+from mtcommission.limits.requirements import read_requirement, requirements_of
 from mtcommission.loop.model.assembly import build_loop
 from mtcommission.loop.poles import find_poles
 from mtcommission.loop.respond import extremes, free_motion, lay_grid, set_in_motion
@@ -55,29 +55,29 @@ class VariedResponse:
     is_missed: NDArray[np.bool_]  # likewise
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class KeptRange:
     """Between which common factors every requirement is kept in every corner.
 
-    The ends of the unbroken range about 1 [-]; both nan if not even at 1. Beyond the first and last
-    factor nothing was looked at.
+    The ends of the unbroken range about 1 [-]; both None if not even at 1. Beyond the first and
+    last factor nothing was looked at.
     """
 
-    factor: Array  # frequencies or damping ratios over those of the profile, rising, shape (n,)
-    settling_time: Array  # worst over moves and corners, shape (n,) [s]
-    residual_deviation: Array  # likewise [m]
-    kept_from: float
-    kept_to: float
-    lost_below: tuple[Requirement, ...]  # missed at the next factor below the range, and above
-    lost_above: tuple[Requirement, ...]
+    factor: tuple[float, ...]  # of frequencies or damping ratios, over those of the profile, rising
+    settling_time: tuple[float | None, ...]  # worst over moves and corners [s]; None: not settled
+    residual_deviation: tuple[float | None, ...]  # likewise [m]
+    kept_from: float | None
+    kept_to: float | None
+    lost_below: tuple[str, ...]  # names of what is missed at the next factor below, and above
+    lost_above: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Robustness:
-    """All views, and what they warn of."""
+    """How limits fare where the machine differs a little, and on what the verdict hangs."""
 
     frequency_error: KeptRange
-    damping_range: KeptRange
+    damping_error: KeptRange
     warnings: tuple[Message, ...]
 
 
@@ -86,7 +86,7 @@ def examine_robustness(machine: Machine, tuned: TunedLoop, limits: MotionLimits)
     error = find_frequency_error(machine, tuned, limits)
     return Robustness(
         frequency_error=error,
-        damping_range=find_damping_range(machine, tuned, limits),
+        damping_error=find_damping_range(machine, tuned, limits),
         warnings=warn_of_narrow_range(machine, error),
     )
 
@@ -121,16 +121,19 @@ def _find_range(
     missed = by_factor(found.is_missed)
     low, high = _stretch_about(np.logical_not(missed.any(axis=1)), len(factor) // 2)
 
-    def lost(at: int) -> tuple[Requirement, ...]:
+    def curve(values: Array) -> tuple[float | None, ...]:
+        return tuple(one if isfinite(one) else None for one in by_factor(values)[:, 0].tolist())
+
+    def lost(at: int) -> tuple[str, ...]:
         is_inside = low <= high and 0 <= at < len(factor)
-        return tuple(compress(requirements, missed[at])) if is_inside else ()
+        return tuple(item.key for item in compress(requirements, missed[at])) if is_inside else ()
 
     return KeptRange(
-        factor=factor,
-        settling_time=by_factor(found.settling_time)[:, 0],
-        residual_deviation=by_factor(found.residual_deviation)[:, 0],
-        kept_from=float(factor[low]) if low <= high else nan,
-        kept_to=float(factor[high]) if low <= high else nan,
+        factor=tuple(factor.tolist()),
+        settling_time=curve(found.settling_time),
+        residual_deviation=curve(found.residual_deviation),
+        kept_from=float(factor[low]) if low <= high else None,
+        kept_to=float(factor[high]) if low <= high else None,
         lost_below=lost(low - 1),
         lost_above=lost(high + 1),
     )
@@ -150,16 +153,21 @@ def warn_of_narrow_range(machine: Machine, error: KeptRange) -> tuple[Message, .
     be kept at the stated frequency alone, and the verdict would not show it. Empty where a spread
     is stated, where 2 % of error to either side are borne, or where the verdict says so.
     """
+    if error.kept_from is None or error.kept_to is None:
+        return ()
     low, high = error.kept_from - 1.0, error.kept_to - 1.0
     is_narrow = max(low, -high) > -STUDY.known_frequency + ROUNDING
     if machine.requirements.frequency_spread > 0.0 or not is_narrow:
         return ()
     ends = [
-        Message("frequency-end-at-least" if end == tried else "frequency-end", error=end)
-        for end, tried in zip((low, high), error.factor[[0, -1]] - 1.0, strict=True)
+        Message("frequency-end-at-least" if end == tried - 1.0 else "frequency-end", error=end)
+        for end, tried in zip((low, high), (error.factor[0], error.factor[-1]), strict=True)
     ]
-    lost = [Message("missed-where-lower", requirement=r.message) for r in error.lost_below]
-    lost += [Message("missed-where-higher", requirement=r.message) for r in error.lost_above]
+    lost = [
+        Message(f"missed-where-{side}", requirement=read_requirement(key).message)
+        for side, keys in (("lower", error.lost_below), ("higher", error.lost_above))
+        for key in keys
+    ]
     least = STUDY.known_frequency
     named = {"low": ends[0], "high": ends[1], "lost": join_by_and(lost)}
     return (Message("frequency-spread-not-stated", **named, least=least),)
