@@ -16,28 +16,28 @@ from benchmarks.constrained_survey import survey
 from mtcommission.base.errors import ComputationError
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.plant.plant import Plant, build_plant
+from mtcommission.machine.readers import SignalValue
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
 from mtcommission.optimal.cells import first_cells
-from mtcommission.optimal.control import Bound
 from mtcommission.optimal.free import solve_time_optimal
 from mtcommission.optimal.problem import bounded_problem
 from tests.machines import paper_machine
 
 STEP = VelocityStep(velocity_step=0.1)
-CASES: tuple[tuple[Move, tuple[Bound, ...]], ...] = (
-    (STEP, (Bound(name="v_phi", value=0.02),)),
-    (STEP, (Bound(name="v_phi", value=0.01),)),
-    (STEP, (Bound(name="v_phi", value=0.005),)),
-    (STEP, (Bound(name="v_phi", value=0.002),)),
-    (STEP, (Bound(name="v_phi", value=0.001),)),
-    (STEP, (Bound(name="v_b", value=0.004),)),
-    (STEP, (Bound(name="F", value=1500.0),)),
-    (STEP, (Bound(name="v_phi", value=0.005), Bound(name="v_b", value=0.004))),
-    (STEP, (Bound(name="phi", value=5e-5),)),
-    (STEP, (Bound(name="phi", value=3e-5),)),
-    (STEP, (Bound(name="x_b", value=3e-5),)),
-    (STEP, (Bound(name="tcp_vibration", value=1.5e-5),)),
-    (STEP, (Bound(name="v_phi", value=0.005), Bound(name="phi", value=5e-5))),
+CASES: tuple[tuple[Move, tuple[SignalValue, ...]], ...] = (
+    (STEP, (SignalValue(name="v_phi", value=0.02),)),
+    (STEP, (SignalValue(name="v_phi", value=0.01),)),
+    (STEP, (SignalValue(name="v_phi", value=0.005),)),
+    (STEP, (SignalValue(name="v_phi", value=0.002),)),
+    (STEP, (SignalValue(name="v_phi", value=0.001),)),
+    (STEP, (SignalValue(name="v_b", value=0.004),)),
+    (STEP, (SignalValue(name="F", value=1500.0),)),
+    (STEP, (SignalValue(name="v_phi", value=0.005), SignalValue(name="v_b", value=0.004))),
+    (STEP, (SignalValue(name="phi", value=5e-5),)),
+    (STEP, (SignalValue(name="phi", value=3e-5),)),
+    (STEP, (SignalValue(name="x_b", value=3e-5),)),
+    (STEP, (SignalValue(name="tcp_vibration", value=1.5e-5),)),
+    (STEP, (SignalValue(name="v_phi", value=0.005), SignalValue(name="phi", value=5e-5))),
     (Positioning(distance=0.02, max_velocity=0.2), ()),
 )
 

@@ -20,8 +20,9 @@ from mtcommission.base.errors import ComputationError
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.plant.plant import Plant, build_plant
+from mtcommission.machine.readers import SignalValue
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
-from mtcommission.optimal.control import Arc, Bound, TimeOptimum
+from mtcommission.optimal.control import Arc, TimeOptimum
 from mtcommission.optimal.free import solve_time_optimal
 
 RADIANS_PER_SAMPLE = 0.02
@@ -43,7 +44,7 @@ class Case:
     plant: Plant
     move: Move
     force_limit: float
-    bounds: tuple[Bound, ...]
+    bounds: tuple[SignalValue, ...]
     t_free: float
 
     @property
@@ -80,7 +81,7 @@ def cases(count: int, *, first: int = 0) -> Iterator[Case]:
             move=move,
             force_limit=force,
             bounds=tuple(
-                Bound(
+                SignalValue(
                     name=str(name),
                     value=float(generator.uniform(*SHARES))
                     * float(free.peaks[plant.signals.index(str(name))]),

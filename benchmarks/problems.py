@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.machine.readers import SignalValue
-from mtcommission.optimal.control import Bound, terminal_target
+from mtcommission.optimal.control import terminal_target
 from mtcommission.optimal.damping import state_scales
 from tests.machines import paper_machine, random_modal_machine
 from tests.references_optimal import PAPER_WEIGHTS
@@ -88,7 +88,7 @@ class Problem:
     plant: Plant
     move: Move
     force_limit: float
-    bounds: tuple[Bound, ...] = ()
+    bounds: tuple[SignalValue, ...] = ()
     t_f: float = inf
     weights: tuple[SignalValue, ...] = ()
 
@@ -152,7 +152,7 @@ def find_problem(name: str) -> Problem:
     plant = build_plant(paper_machine())
     first = Problem(name=name, plant=plant, move=STEP, force_limit=2e3)
     if name == "P2":
-        return replace(first, bounds=(Bound(name="v_phi", value=0.005),))
+        return replace(first, bounds=(SignalValue(name="v_phi", value=0.005),))
     if name == "P3":
         return replace(first, t_f=0.0522, weights=PAPER_WEIGHTS)
     if name in FORCES:

@@ -18,8 +18,9 @@ from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.plant.plant import build_plant, driven_at_once
 from mtcommission.machine.profile.read import parse_profile
+from mtcommission.machine.readers import SignalValue
 from mtcommission.optimal.band import find_band_optimum
-from mtcommission.optimal.control import Arc, Bound, TimeOptimum
+from mtcommission.optimal.control import Arc, TimeOptimum
 from mtcommission.optimal.open_loop import solve_jerk_limited
 from mtcommission.optimal.transcription import transcribe_damping_optimal
 from mtcommission.optimal.transcription_settings import TranscriptionSettings
@@ -146,7 +147,9 @@ def test_a_bound_on_the_acceleration_is_a_lower_limit() -> None:
     """Else bounding F as a peak ends in an error, or is not kept."""
     machine = axis([(45.0, 0.05, 1.0)], 20.0)
     plant, move = build_plant(machine), machine.moves[0]
-    bounded = find_time_optimum(plant, move, force_limit=20.0, bounds=(Bound(name="F", value=8.0),))
+    bounded = find_time_optimum(
+        plant, move, force_limit=20.0, bounds=(SignalValue(name="F", value=8.0),)
+    )
     lower = find_time_optimum(plant, move, force_limit=8.0, bounds=())
     assert bounded.t_f == lower.t_f
     assert bounded.peaks[plant.force] == pytest.approx(8.0)
@@ -258,7 +261,7 @@ def test_other_bounds_hold_besides() -> None:
     slower = Positioning(distance=0.02, max_velocity=0.2)
     bounded = solve_jerk_limited(
         plant, machine.moves[0], force_limit=20.0, jerk_limit=2e3,
-        bounds=(Bound(name="v", value=0.2),),
+        bounds=(SignalValue(name="v", value=0.2),),
     )  # fmt: skip
     assert bounded.t_f == pytest.approx(solved(machine, slower, a=20.0, jerk=2e3).t_f, rel=1e-9)
     assert [(bound.name, bound.value) for bound in bounded.bounds] == [("v", 0.2)]
@@ -275,14 +278,14 @@ def test_command_line_says_the_limit_and_where_it_belongs(
     code, said = call("printer-belt.toml", "--jerk", "20000", "--move", "2")
     assert not code
     assert "t_f = 11.153294 ms" in said
-    assert "Limit |jerk| <= 20000 m/s³: reached." in said
+    assert "Limit: jerk at most 20000 m/s³, reached." in said
     assert "+j_max" in said
     code, said = call("printer-belt.toml", "--jerk", "1e12")
     assert code == 2
     assert "leave --jerk out, which lets it jump" in said
     code, said = call("printer-belt.toml", "--limit", "F=5 m/s^2", "--move", "2")
     assert not code
-    assert "Limit |F| <= 5 m/s²: reached." in said
+    assert "at most 5 m/s², reached." in said
     code, said = call("ball-screw.toml", "--jerk", "9")
     assert code == 2
     assert "--jerk: goes with" in said

@@ -20,9 +20,9 @@ from mtcommission.limits.optima import find_optima
 from mtcommission.machine.moves import Positioning, VelocityStep
 from mtcommission.machine.plant.plant import Plant, build_plant, driven_at_once
 from mtcommission.machine.profile.shipped import read_shipped
+from mtcommission.machine.readers import SignalValue
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
 from mtcommission.optimal.control import (
-    Bound,
     Boundary,
     TimeOptimum,
     balanced_expm,
@@ -39,8 +39,8 @@ from tests.machines import paper_machine, random_modal_machine
 PAPER_STEP = VelocityStep(velocity_step=0.1)
 
 
-def bound(name: str, value: float) -> tuple[Bound, ...]:
-    return (Bound(name=name, value=value),)
+def bound(name: str, value: float) -> tuple[SignalValue, ...]:
+    return (SignalValue(name=name, value=value),)
 
 
 @cache
@@ -50,7 +50,7 @@ def paper_plant() -> Plant:
 
 @cache
 def paper_optimum(
-    bounds: tuple[Bound, ...], move: VelocityStep | Positioning = PAPER_STEP
+    bounds: tuple[SignalValue, ...], move: VelocityStep | Positioning = PAPER_STEP
 ) -> TimeOptimum:
     return solve_bounded_time_optimal(paper_plant(), move, force_limit=2e3, bounds=bounds)
 

@@ -33,7 +33,7 @@ from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.profile.read import parse_profile
-from mtcommission.optimal.control import Bound
+from mtcommission.machine.readers import SignalValue
 from mtcommission.optimal.free import solve_time_optimal
 from mtcommission.sweep import solve
 from mtcommission.sweep.engine import run_sweep
@@ -303,7 +303,7 @@ def test_a_failing_case_is_a_row_with_its_outcome(tmp_path: Path) -> None:
 
 def test_a_computation_that_ends_otherwise_names_its_outcome(tmp_path: Path) -> None:
     """A bound that no move keeps is a result of the case, not an internal error."""
-    frame = frame_of(replace(plan_of(), bounds=(Bound(name="v_s", value=0.05),)), tmp_path)
+    frame = frame_of(replace(plan_of(), bounds=(SignalValue(name="v_s", value=0.05),)), tmp_path)
     assert frame["outcome"].to_list() == ["bound_cannot_hold"]
     assert "v_s" in frame["message"][0]
 
@@ -375,7 +375,7 @@ def test_files_carry_units_and_their_rows_are_cases_of_the_next_sweep(tmp_path: 
     """A table without units is read in millimetres sooner or later."""
     keys = ("drive.max_force", "plant.base_damping", "requirements.peaks.v_phi")
     plan = plan_of(Axis(keys=keys, rows=(("2500", "8.1 kN s/m", "20 mrad/s"),)))
-    plan = replace(plan, bounds=(Bound(name="v_s", value=0.2),))
+    plan = replace(plan, bounds=(SignalValue(name="v_s", value=0.2),))
     table = read_table(plan, run_sweep(plan, folder=tmp_path))
     write_table(table, tmp_path, WORDS)
     frame = pl.read_parquet(tmp_path / "rows.parquet")

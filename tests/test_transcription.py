@@ -10,8 +10,9 @@ import pytest
 from mtcommission.base.errors import ComputationError, Outcome
 from mtcommission.machine.moves import VelocityStep
 from mtcommission.machine.plant.plant import build_plant
+from mtcommission.machine.readers import SignalValue
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
-from mtcommission.optimal.control import Bound, DampingOptimum, TimeOptimum
+from mtcommission.optimal.control import DampingOptimum, TimeOptimum
 from mtcommission.optimal.damping import solve_damping_optimal
 from mtcommission.optimal.transcription import transcribe_damping_optimal, transcribe_time_optimal
 from mtcommission.optimal.transcription_settings import Scheme, TranscriptionSettings
@@ -19,11 +20,11 @@ from tests.machines import paper_machine
 from tests.references_optimal import PAPER_WEIGHTS
 
 PLANT, STEP = build_plant(paper_machine()), VelocityStep(velocity_step=0.1)
-SLOW_TOWER = (Bound(name="v_phi", value=0.005),)
+SLOW_TOWER = (SignalValue(name="v_phi", value=0.005),)
 
 
 def shortest(
-    intervals: int, scheme: Scheme = Scheme.GAUSS, *, bounds: tuple[Bound, ...] = SLOW_TOWER
+    intervals: int, scheme: Scheme = Scheme.GAUSS, *, bounds: tuple[SignalValue, ...] = SLOW_TOWER
 ) -> TimeOptimum:
     how = TranscriptionSettings(scheme=scheme, intervals=intervals)
     return transcribe_time_optimal(PLANT, STEP, force_limit=2e3, bounds=bounds, settings=how)
@@ -61,7 +62,7 @@ def test_terminal_error_shrinks_with_the_order_of_the_scheme(
 
 
 @pytest.mark.parametrize("bounds", [(), SLOW_TOWER])
-def test_times_converge_to_the_exact_ones_at_second_order(bounds: tuple[Bound, ...]) -> None:
+def test_times_converge_to_the_exact_ones_at_second_order(bounds: tuple[SignalValue, ...]) -> None:
     # over 50 ... 400 intervals: where a switch lies inside its interval is another on each grid
     exact = solve_bounded_time_optimal(PLANT, STEP, force_limit=2e3, bounds=bounds).t_f
     grids = np.array([50, 100, 200, 400])
@@ -88,7 +89,7 @@ def test_damping_optimum_agrees_with_the_exact_one() -> None:
 
 def test_bound_that_no_time_can_meet() -> None:
     with pytest.raises(ComputationError) as caught:
-        shortest(50, bounds=(Bound(name="v_s", value=0.05),))
+        shortest(50, bounds=(SignalValue(name="v_s", value=0.05),))
     assert caught.value.outcome is Outcome.BOUND_CANNOT_HOLD
     assert "0.5 of the target is reached" in str(caught.value)
 

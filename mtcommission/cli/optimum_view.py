@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import isfinite, isnan
 
-from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.catalogue import NAME, Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.cli.terminal import Line, heading, heads, table
 from mtcommission.machine.machine import Machine
@@ -22,7 +22,6 @@ from mtcommission.optimal.control import (
     control_text,
     excess_velocity,
     join_arcs,
-    side_text,
 )
 
 SHOWN_ARCS = 24
@@ -56,7 +55,7 @@ def describe_optimum(
     errors = dict(zip(plant.states, solution.terminal_error.tolist(), strict=True))
     signals = zip(plant.signals, plant.signal_units, solution.peaks.tolist(), strict=True)
     peaks = [
-        [name, spoken.format.quantity(peak, unit),
+        [spoken.name(name), spoken.format.quantity(peak, unit),
          f"{spoken.format.plain(errors[name], 1, 'e')} {unit}" if name in errors else ""]
         for name, unit, peak in signals
     ]  # fmt: skip
@@ -100,9 +99,14 @@ def _say_control(control: ArcControl, spoken: Catalogue) -> str:
             text = control_text(control)
             return text.replace("F_max", "a_max") if spoken.follows else text
         case Boundary(signal, side):
-            return spoken.text("terminal-arc-boundary", limit=side_text(signal, side))
+            return spoken.say(_limit_of(signal, side))
         case Interior():
             return spoken.text("terminal-arc-interior")
+
+
+def _limit_of(signal: str, side: int) -> Message:
+    which = "upper" if side > 0 else "lower"
+    return Message("terminal-arc-boundary", name=Message(NAME, key=signal), side=which)
 
 
 def _ms(spoken: Catalogue, seconds: float) -> str:
@@ -140,7 +144,7 @@ def _damping_lines(
     weights = tuple(
         Message(
             "terminal-weight",
-            state=item.name,
+            state=Message(NAME, key=item.name),
             value=item.value,
             unit=f"{force}/{_squared(plant.unit(item.name))}",
         )
@@ -178,18 +182,19 @@ def _limit_lines(plant: Plant, solution: AnyOptimum, spoken: Catalogue) -> list[
         if share > EXCEEDED:
             acts = Message("terminal-exceeded", percent=100.0 * share)
         value = spoken.format.quantity(bound.value, plant.unit(bound.name))
-        lines.append(Message("terminal-limit", name=bound.name, value=value, acts=acts))
+        name = Message(NAME, key=bound.name)
+        lines.append(Message("terminal-limit", name=name, value=value, acts=acts))
     if isfinite(solution.jerk_limit):
         value = spoken.format.quantity(solution.jerk_limit, plant.jerk_unit)
         acts = Message("terminal-reached")
-        lines.append(Message("terminal-limit", name="jerk", value=value, acts=acts))
+        lines.append(Message("terminal-limit", name=Message("limit-jerk"), value=value, acts=acts))
     return lines
 
 
 def _touch_lines(solution: AnyOptimum) -> list[Message]:
     touches = solution.touch_points
     lines = [
-        Message("terminal-touched", limit=side_text(p.signal, p.side), ms=1e3 * p.t)
+        Message("terminal-touched", limit=_limit_of(p.signal, p.side), ms=1e3 * p.t)
         for p in touches[:SHOWN_TOUCHES]
     ]
     if len(touches) > SHOWN_TOUCHES:

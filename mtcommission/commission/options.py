@@ -30,7 +30,8 @@ from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 from mtcommission.setpoint.smaller_moves import resize
 
 if TYPE_CHECKING:  # the optima load slowly, and most commands need none
-    from mtcommission.optimal.control import AnyOptimum, Bound
+    from mtcommission.machine.readers import SignalValue
+    from mtcommission.optimal.control import AnyOptimum
     from mtcommission.optimal.transcription_settings import TranscriptionSettings
 
 BY_UNIT = {dimension.si: dimension for dimension in DIMENSIONS}
@@ -113,9 +114,9 @@ class Options:
         if not 1 <= number <= count:
             self.refuse("--move", Message("option-no-such-move", got=number, count=count))
 
-    def bound(self, plant: Plant, text: str) -> Bound:
+    def bound(self, plant: Plant, text: str) -> SignalValue:
         """Return what ``--limit NAME=VALUE`` asks for, or any bound after noting a fault."""
-        from mtcommission.optimal.control import Bound
+        from mtcommission.machine.readers import SignalValue
 
         name, separator, value = text.partition("=")
         name = name.strip()
@@ -126,8 +127,8 @@ class Options:
             self.refuse("--limit", Message("option-no-signal", got=repr(name), hint=hint))
         else:
             unit = BY_UNIT[plant.signal_units[plant.signals.index(name)]]
-            return Bound(name=name, value=self.positive(f"--limit {name}", value, unit))
-        return Bound(name=name, value=1.0)
+            return SignalValue(name=name, value=self.positive(f"--limit {name}", value, unit))
+        return SignalValue(name=name, value=1.0)
 
 
 # --f-max, --for
@@ -169,7 +170,7 @@ class OptimalRequest:
     method: str  # exact or transcription
     move: Move  # the profile's, or from the options
     t_f: float | None  # final time of a damping-optimal control [s]; None: that of the profile
-    bounds: tuple[Bound, ...]
+    bounds: tuple[SignalValue, ...]
     transcription: TranscriptionSettings
     jerk: float  # largest jerk of an open-loop axis [m/s³]; inf: not limited
 
@@ -237,7 +238,7 @@ def read_optimal_request(
 
 
 def _refuse_all_but_jumps(
-    machine: Machine, plant: Plant, jerk: float, bounds: Sequence[Bound], options: Options
+    machine: Machine, plant: Plant, jerk: float, bounds: Sequence[SignalValue], options: Options
 ) -> None:
     """Note the fault of a jerk with which the acceleration reaches its limit all but at once."""
     from mtcommission.optimal.bounded import SHORTEST_RAMP
@@ -263,7 +264,7 @@ def solve(machine: Machine, plant: Plant, request: OptimalRequest) -> AnyOptimum
         find_time_optimum,
     )
     from mtcommission.machine.machine import require_force
-    from mtcommission.optimal.control import Bound
+    from mtcommission.machine.readers import SignalValue
     from mtcommission.optimal.open_loop import least_limit, on_states, optimum_on
 
     require_force(machine)
@@ -282,7 +283,7 @@ def solve(machine: Machine, plant: Plant, request: OptimalRequest) -> AnyOptimum
         from mtcommission.optimal.transcription import transcribe_time_optimal
 
         if isinstance(move, Positioning) and isfinite(move.max_velocity):
-            bounds += (Bound(name=plant.states[plant.velocity], value=move.max_velocity),)
+            bounds += (SignalValue(name=plant.states[plant.velocity], value=move.max_velocity),)
         gridded = transcribe_time_optimal(
             driven_at_once(plant),
             move,

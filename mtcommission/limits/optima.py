@@ -16,11 +16,11 @@ from mtcommission.base.messages.message import Message
 from mtcommission.machine.machine import Corner, Machine, moving_mass, vary
 from mtcommission.machine.moves import Move, Positioning, VelocityStep, least_motion_time
 from mtcommission.machine.plant.plant import Plant, build_plant, driven_at_once, longest_period
+from mtcommission.machine.readers import SignalValue
 from mtcommission.optimal.band import BandForce, find_band_optimum, find_robust_force
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
 from mtcommission.optimal.control import (
     TIGHT_GAP,
-    Bound,
     DampingOptimum,
     TimeOptimum,
     Trajectory,
@@ -69,7 +69,7 @@ def find_optima(machine: Machine, plant: Plant, move: Move) -> Optima:
         remarks.append(
             Message("reference-not-exact", least=proof.t_f_lower_bound, below=proof.relative_gap)
         )
-    bounds = tuple(Bound(name=p.name, value=p.value) for p in machine.requirements.peaks)
+    bounds = machine.requirements.peaks
     if bounds:
         try:
             constrained = find_time_optimum(plant, move, force_limit=force, bounds=bounds)
@@ -98,7 +98,7 @@ def find_optima(machine: Machine, plant: Plant, move: Move) -> Optima:
 
 
 def find_time_optimum(
-    plant: Plant, move: Move, *, force_limit: float, bounds: tuple[Bound, ...]
+    plant: Plant, move: Move, *, force_limit: float, bounds: tuple[SignalValue, ...]
 ) -> TimeOptimum:
     """Return the time-optimal control, bounded or free, whichever the move and bounds ask for.
 

@@ -19,9 +19,9 @@ from mtcommission.base.errors import ComputationError, Outcome
 from mtcommission.base.messages.message import Message
 from mtcommission.machine.moves import Move, least_motion_time
 from mtcommission.machine.plant.plant import Plant
+from mtcommission.machine.readers import SignalValue
 from mtcommission.optimal.cells import first_cells
 from mtcommission.optimal.control import (
-    Bound,
     Certificate,
     Optimum,
     TimeOptimum,
@@ -63,7 +63,7 @@ searches that do not end below (measured)."""
 
 
 def solve_bounded_time_optimal(
-    plant: Plant, move: Move, *, force_limit: float, bounds: tuple[Bound, ...]
+    plant: Plant, move: Move, *, force_limit: float, bounds: tuple[SignalValue, ...]
 ) -> TimeOptimum:
     """Return the fastest control that makes a move within bounds and leaves everything at rest.
 
@@ -84,11 +84,11 @@ def solve_bounded_time_optimal(
     Examples
     --------
     >>> from mtcommission.machine.profile.shipped import read_shipped
-    >>> from mtcommission.optimal.control import Boundary
+    >>> from mtcommission.machine.readers import SignalValueary
     >>> from mtcommission.machine.plant.plant import build_plant
     >>> machine = read_shipped("milling-manipulator").machine
     >>> optimum = solve_bounded_time_optimal(build_plant(machine), machine.moves[0],
-    ...     force_limit=2e3, bounds=(Bound(name="v_phi", value=0.02),))
+    ...     force_limit=2e3, bounds=(SignalValue(name="v_phi", value=0.02),))
     >>> held = [arc.control for arc in optimum.arcs if isinstance(arc.control, Boundary)]
     >>> round(optimum.t_f, 7), held
     (0.0436416, [Boundary(signal='v_phi', side=-1)])
@@ -110,7 +110,7 @@ def solve_bounded_time_optimal(
 
 
 def solve_problem(
-    problem: BoundedProblem, move: Move, bounds: tuple[Bound, ...], *, t_free: float
+    problem: BoundedProblem, move: Move, bounds: tuple[SignalValue, ...], *, t_free: float
 ) -> TimeOptimum:
     """Return the optimum of a scaled problem; ``t_free``: that of the same move without bounds [s].
 
@@ -138,7 +138,7 @@ def _under_force_bound(problem: BoundedProblem, move: Move) -> Found | None:
     return solve_exactly(problem, force_sequence(problem, index, swift.arcs))
 
 
-def refuse_impossible(plant: Plant, move: Move, bounds: tuple[Bound, ...]) -> None:
+def refuse_impossible(plant: Plant, move: Move, bounds: tuple[SignalValue, ...]) -> None:
     """Raise BOUND_CANNOT_HOLD where the target breaks a bound, or one forbids any motion."""
     target, fixed = terminal_target(plant, move)
     for bound in bounds:
@@ -182,7 +182,7 @@ def _search(problem: BoundedProblem, *, t_free: float) -> Found:
 
 
 def _as_optimum(
-    problem: BoundedProblem, move: Move, bounds: tuple[Bound, ...], found: Found
+    problem: BoundedProblem, move: Move, bounds: tuple[SignalValue, ...], found: Found
 ) -> TimeOptimum:
     error = np.zeros(problem.plant.order)
     error[problem.fixed] = (found.motion.final - problem.target)[problem.fixed]

@@ -130,14 +130,6 @@ class TouchPoint:
     side: int  # +1 or -1
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Bound:
-    """A symmetric bound on a state or output."""
-
-    name: str  # State or output of the plant
-    value: float  # Largest magnitude, in the signal's SI unit
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Trajectory:
     """Sampled motion."""
@@ -317,7 +309,8 @@ class Optimum(Generic[Proof]):
 
     move: Move  # Velocity step or positioning move
     force_limit: float  # Force left for motion [N]
-    bounds: tuple[Bound, ...]  # On states and outputs; under cost only a transcription takes them
+    # On states and outputs; under cost only a transcription takes them.
+    bounds: tuple[SignalValue, ...]
     method: str  # ``"exact"`` or ``"transcription"``
     t_f: float  # Final time [s]
     arcs: tuple[Arc, ...]  # In order, without gaps, from 0 to t_f

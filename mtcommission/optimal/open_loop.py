@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 
 from mtcommission.machine.moves import Move, VelocityStep
 from mtcommission.machine.plant.plant import Plant, driven_at_once
+from mtcommission.machine.readers import SignalValue
 from mtcommission.optimal.bounded import refuse_impossible, solve_problem
 from mtcommission.optimal.control import (
     Arc,
     Bang,
-    Bound,
     Boundary,
     Optimum,
     Proof,
@@ -46,17 +46,17 @@ def optimum_on(plant: Plant, found: Optimum[Proof]) -> Optimum[Proof]:
     )
 
 
-def least_limit(plant: Plant, force_limit: float, bounds: Iterable[Bound]) -> float:
+def least_limit(plant: Plant, force_limit: float, bounds: Iterable[SignalValue]) -> float:
     """Return the force limit, or a lower bound on the acceleration of a motor that follows."""
     return min((force_limit, *(one.value for one in bounds if not _on_state(plant, one))))
 
 
-def on_states(plant: Plant, bounds: Iterable[Bound]) -> tuple[Bound, ...]:
+def on_states(plant: Plant, bounds: Iterable[SignalValue]) -> tuple[SignalValue, ...]:
     """Return the bounds but for those that ``least_limit`` covers."""
     return tuple(one for one in bounds if _on_state(plant, one))
 
 
-def _on_state(plant: Plant, bound: Bound) -> bool:
+def _on_state(plant: Plant, bound: SignalValue) -> bool:
     return not plant.follows or bound.name != plant.states[plant.force]
 
 
@@ -66,7 +66,7 @@ def solve_jerk_limited(
     *,
     force_limit: float,
     jerk_limit: float,
-    bounds: tuple[Bound, ...],
+    bounds: tuple[SignalValue, ...],
 ) -> TimeOptimum:
     """Return the fastest motion within acceleration and jerk that leaves everything at rest.
 
@@ -88,7 +88,7 @@ def solve_jerk_limited(
     (0.011153, [1, -1, 1, -1])
     """
     state = plant.states[plant.force]
-    every = all_bounds(plant, move, (*bounds, Bound(name=state, value=force_limit)))
+    every = all_bounds(plant, move, (*bounds, SignalValue(name=state, value=force_limit)))
     refuse_impossible(plant, move, every)
     sooner = solve_time_optimal(driven_at_once(plant), move, force_limit=force_limit).t_f
     least = max(sooner, _least_ramps(move, jerk_limit))

@@ -12,7 +12,8 @@ from scipy.linalg import qr
 from mtcommission.base.messages.message import Message
 from mtcommission.machine.moves import Move, Positioning
 from mtcommission.machine.plant.plant import Plant
-from mtcommission.optimal.control import Bound, balanced_expm, terminal_target
+from mtcommission.machine.readers import SignalValue
+from mtcommission.optimal.control import balanced_expm, terminal_target
 from mtcommission.optimal.modes import step_response
 
 Array = NDArray[np.float64]
@@ -97,7 +98,7 @@ class ArcInterior:
 class Limit:
     """One bound with what follows from its order."""
 
-    bound: Bound  # As the user gave it
+    bound: SignalValue  # As the user gave it
     row: Array  # c divided by the bound's value, shape (n,)
     # Whether the program scales this bound with the target
     # (``FOLLOW_LEVEL``).
@@ -159,7 +160,7 @@ class BoundedProblem:
         return speed * self.plant.moving_mass / self.force_limit
 
     @property
-    def bounds(self) -> tuple[Bound, ...]:
+    def bounds(self) -> tuple[SignalValue, ...]:
         """The bounds of all limits."""
         return tuple(limit.bound for limit in self.limits)
 
@@ -174,7 +175,9 @@ class BoundedProblem:
         return np.array([limit.order for limit in self.limits], dtype=np.intp)
 
 
-def all_bounds(plant: Plant, move: Move, bounds: tuple[Bound, ...]) -> tuple[Bound, ...]:
+def all_bounds(
+    plant: Plant, move: Move, bounds: tuple[SignalValue, ...]
+) -> tuple[SignalValue, ...]:
     """Return one bound for each signal, the tightest, with that on the velocity of the move.
 
     Raises
@@ -185,14 +188,14 @@ def all_bounds(plant: Plant, move: Move, bounds: tuple[Bound, ...]) -> tuple[Bou
     values: dict[str, float] = {}
     given = list(bounds)
     if isinstance(move, Positioning) and isfinite(move.max_velocity):
-        given.append(Bound(name=plant.states[plant.velocity], value=move.max_velocity))
+        given.append(SignalValue(name=plant.states[plant.velocity], value=move.max_velocity))
     for bound in given:
         plant.row(bound.name)
         values[bound.name] = min(bound.value, values.get(bound.name, bound.value))
-    return tuple(Bound(name=name, value=value) for name, value in values.items())
+    return tuple(SignalValue(name=name, value=value) for name, value in values.items())
 
 
-def describe_bounds(plant: Plant, bounds: tuple[Bound, ...]) -> tuple[Message, ...]:
+def describe_bounds(plant: Plant, bounds: tuple[SignalValue, ...]) -> tuple[Message, ...]:
     """Return bounds for a message, with their units."""
     return tuple(
         Message("signal-bound", signal=k.name, value=k.value, unit=plant.unit(k.name))
@@ -205,7 +208,7 @@ def bounded_problem(
     move: Move,
     *,
     force_limit: float,
-    bounds: tuple[Bound, ...],
+    bounds: tuple[SignalValue, ...],
     horizon: float,
 ) -> BoundedProblem:
     """Return the problem with everything that follows from the orders of its bounds.
@@ -236,7 +239,7 @@ def bounded_problem(
 
 def _limit(
     plant: Plant,
-    bound: Bound,
+    bound: SignalValue,
     *,
     rate: float,
     target: Array,

@@ -38,7 +38,6 @@ from mtcommission.machine.readers import SignalValue
 from mtcommission.optimal.control import (
     ArcControl,
     Bang,
-    Bound,
     Certificate,
     DampingOptimum,
     Interior,
@@ -84,7 +83,7 @@ def transcribe_time_optimal(
     move: Move,
     *,
     force_limit: float,
-    bounds: tuple[Bound, ...],
+    bounds: tuple[SignalValue, ...],
     settings: TranscriptionSettings,
 ) -> TimeOptimum:
     """Return the shortest move on a grid.
@@ -117,7 +116,7 @@ def transcribe_damping_optimal(
     force_limit: float,
     t_f: float,
     weights: tuple[SignalValue, ...],
-    bounds: tuple[Bound, ...],
+    bounds: tuple[SignalValue, ...],
     settings: TranscriptionSettings,
 ) -> DampingOptimum:
     """Return the move with the least weighted squares on a grid.
@@ -157,13 +156,13 @@ class _Problem:
     plant: Plant
     move: Move
     force_limit: float  # [N]
-    bounds: tuple[Bound, ...]
+    bounds: tuple[SignalValue, ...]
     t_f: float  # [s]
     # Of the functional; None: the largest multiple of the target is wanted.
     weights: tuple[SignalValue, ...] | None = None
 
     @property
-    def every_bound(self) -> tuple[Bound, ...]:
+    def every_bound(self) -> tuple[SignalValue, ...]:
         """The bounds, that on the velocity of the move among them."""
         return all_bounds(self.plant, self.move, self.bounds)
 

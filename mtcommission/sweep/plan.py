@@ -23,7 +23,7 @@ from mtcommission.base.units.quantities import NUMBER
 from mtcommission.base.units.symbols import read_unit
 from mtcommission.machine.moves import Positioning
 from mtcommission.machine.profile.read import load_toml, parse_profile, read_key
-from mtcommission.optimal.control import Bound
+from mtcommission.machine.readers import SignalValue
 
 FORCE_KEY = "drive.max_force"
 PEAKS_KEY = "requirements.peaks."
@@ -69,7 +69,7 @@ class Plan:
     is_paired: bool = False
     quantity: Quantity = Quantity.OPTIMAL
     move: int = 1  # which of the profile's moves ``optimal`` solves, counted from 1
-    bounds: tuple[Bound, ...] = ()  # on states and outputs, for ``optimal``
+    bounds: tuple[SignalValue, ...] = ()  # on states and outputs, for ``optimal``
     created: str = ""  # when the sweep was begun, ISO 8601; goes into the records of ``run``
 
     @property

@@ -23,7 +23,6 @@ from mtcommission.machine.machine import Machine, Motion, require_force
 from mtcommission.machine.plant.plant import Plant, build_plant, driven_at_once
 from mtcommission.machine.profile.describe import unit_of_key
 from mtcommission.machine.profile.read import parse_profile, read_key
-from mtcommission.optimal.control import Bound
 from mtcommission.optimal.free import GAP_TOLERANCE, solve_forces
 from mtcommission.sweep.plan import (
     FORCE_KEY,
@@ -144,7 +143,7 @@ def _solve_optimal(work: Work, machine: Machine, plant: Plant, settings: Setting
         plant,
         machine.moves[work.base.move - 1],
         force_limit=machine.drive.motion_force,
-        bounds=(*work.base.bounds, *(Bound(name=item.name, value=item.value) for item in peaks)),
+        bounds=(*work.base.bounds, *peaks),
     )
     return Optimum(
         t_f=optimum.t_f,

@@ -11,9 +11,10 @@ from mtcommission.machine.machine import Machine
 from mtcommission.machine.plant.manipulator import Manipulator
 from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.machine.profile.shipped import read_shipped
+from mtcommission.machine.readers import SignalValue
 from mtcommission.machine.requirements import Reserve
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
-from mtcommission.optimal.control import Bound, DampingOptimum, TimeOptimum
+from mtcommission.optimal.control import DampingOptimum, TimeOptimum
 from mtcommission.optimal.damping import solve_damping_optimal
 from mtcommission.optimal.free import solve_time_optimal
 from mtcommission.validate.paper import BOUNDED_T_F, FORCE_LIMIT, RATE_BOUND
@@ -45,7 +46,7 @@ def solve_cases() -> Cases:
     loop = replace(shipped.control, seeks_setpoint_filter=False, seeks_force_filters=False)
     machine = replace(shipped, requirements=needs, control=loop)
     plant, move, F = build_plant(machine), machine.moves[0], FORCE_LIMIT
-    bounds = (Bound(name="v_phi", value=RATE_BOUND),)
+    bounds = (SignalValue(name="v_phi", value=RATE_BOUND),)
     weights = machine.damping_optimal.weights
     assert isinstance(machine.mechanics, Manipulator)
     return Cases(

@@ -28,7 +28,10 @@ terminal-rigid-time = mit dieser Beschleunigung, ohne Ruckbegrenzung, ohne Schwi
 terminal-time-optimal = Zeitoptimale Steuerung
 terminal-damping-optimal = Dämpfungsoptimale Steuerung
 terminal-arc-interior = innen
-terminal-arc-boundary = Rand:{ $limit }
+terminal-arc-boundary = { $name }, { $side ->
+    [upper] obere Grenze
+   *[lower] untere Grenze
+}
 terminal-more-arcs = { $count } weitere:
 terminal-see-json = siehe --json
 terminal-final-time = t_f = { $t_f } bei { word-f-max } = { PLAIN($force, digits: 6) } { $unit }, Verfahren { $method }
@@ -47,8 +50,8 @@ terminal-cost = Kosten { PLAIN($cost, digits: 9) } { $unit }; Gesetz (16) bis au
 terminal-reached = erreicht
 terminal-not-reached = nicht erreicht
 terminal-exceeded = zwischen den Punkten des Gitters um { PLAIN($percent, digits: 1) } % überschritten
-terminal-limit = Grenze |{ $name }| <= { $value }: { $acts }.
-terminal-touched = { $limit } berührt bei { PLAIN($ms, digits: 4, style: "f") } ms
+terminal-limit = Grenze: { $name } höchstens { $value }, { $acts }.
+terminal-touched = { $limit }, berührt bei { PLAIN($ms, digits: 4, style: "f") } ms
 terminal-more-touches = ... und { $count } weitere Berührpunkte: siehe --json
 terminal-assumed = Angenommen: { $what }.
 terminal-bound-by = Begrenzt durch: { $what }.

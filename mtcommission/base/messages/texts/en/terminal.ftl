@@ -30,7 +30,10 @@ terminal-rigid-time = at this acceleration, no jerk limit, no vibration: no cont
 terminal-time-optimal = Time-optimal control
 terminal-damping-optimal = Damping-optimal control
 terminal-arc-interior = interior
-terminal-arc-boundary = boundary:{ $limit }
+terminal-arc-boundary = { $name }, { $side ->
+    [upper] upper limit
+   *[lower] lower limit
+}
 terminal-more-arcs = { $count } more:
 terminal-see-json = see --json
 terminal-final-time = t_f = { $t_f } at { word-f-max } = { PLAIN($force, digits: 6) } { $unit }, method { $method }
@@ -49,8 +52,8 @@ terminal-cost = Cost { PLAIN($cost, digits: 9) } { $unit }; law (16) kept to { P
 terminal-reached = reached
 terminal-not-reached = not reached
 terminal-exceeded = exceeded by { PLAIN($percent, digits: 1) } % between the points of the grid
-terminal-limit = Limit |{ $name }| <= { $value }: { $acts }.
-terminal-touched = { $limit } touched at { PLAIN($ms, digits: 4, style: "f") } ms
+terminal-limit = Limit: { $name } at most { $value }, { $acts }.
+terminal-touched = { $limit }, touched at { PLAIN($ms, digits: 4, style: "f") } ms
 terminal-more-touches = ... and { $count } touch points more: see --json
 terminal-assumed = Assumed: { $what }.
 terminal-bound-by = Bound by: { $what }.
