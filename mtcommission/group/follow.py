@@ -31,8 +31,9 @@ SLOWEST, FASTEST, FREQUENCIES = 0.05, 0.3, 320
 """Least angular frequency of a circle [rad/s], the largest times the position cycle [-], and
 frequencies between (empirical: to a few nanometres of a circle)."""
 
-PERIODS, LONGEST = 2.0, 0.6
-"""Of each pole that an answer is followed, and the longest [s] (empirical)."""
+PERIODS, LONGEST = 2.0, 2.0
+"""Of each pole that an answer is followed, and the longest [s]: by then what an integrator of one
+second does is over but for its tail (empirical)."""
 
 PHASES = (0.0, 1e-4, 0.5)
 """At which a step comes within a position cycle: with its sample, which sees all derivatives step
@@ -43,10 +44,6 @@ LATE = 100.0
 
 FINER = 4
 """Instants of a position cycle that are looked at."""
-
-LONGEST_REVERSAL = 2.0
-"""What friction does at a reversal is followed until the loop's slowest pole is gone, at most so
-long [s]: by then the peaks of an integrator of one second are over (empirical)."""
 
 PAUSE = 1.5
 """Between two reversals where a circle is made up for its acceleration, in times of the loop
@@ -91,8 +88,8 @@ class Follower:
     def fades(self) -> float:
         """How long friction is followed before and after a reversal: the loop's own time [s]."""
         poles = [pole for pole in self.poles.rates[0] if np.isfinite(pole)]
-        gone = max((swing_times(pole, PERIODS)[1] for pole in poles), default=LONGEST_REVERSAL)
-        return min(gone, LONGEST_REVERSAL)
+        gone = max((swing_times(pole, PERIODS)[1] for pole in poles), default=LONGEST)
+        return min(gone, LONGEST)
 
     @property
     def step(self) -> float:
