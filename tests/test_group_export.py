@@ -79,7 +79,7 @@ def test_a_wait_in_the_text_reaches_its_circles(record: GroupRecord) -> None:
         # Delays apart by d draw v d from largest to smallest radius.
         delays = [record.feedforward[name].delay for name in record.plane]
         planned = one.planned.feed * (4e-3 + delays[0] - delays[1])
-        assert one.form_deviation == pytest.approx(planned, rel=0.01)
+        assert one.drawn.form_deviation == pytest.approx(planned, rel=0.01)
     assert not found.meets_requirements
     # A control that has no place for it says so, and is simulated without.
     found = export_group(replace(record, axes=late), control="fanuc")

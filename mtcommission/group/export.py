@@ -77,25 +77,20 @@ OF_ONE_AXIS = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CircleOfText:
-    """A circle as the text draws it, worst corners, beside that of the record."""
+    """A circle, worst corners, as the text draws it beside that of the record."""
 
     planned: Circle
-    radius_deviation: float  # [m]
-    form_deviation: float  # [m]
+    drawn: Circle
 
     @property
     def is_same(self) -> bool:
         """Whether both are the record's."""
+        one, other = self.drawn, self.planned
         pairs = (
-            (self.radius_deviation, self.planned.radius_deviation),
-            (self.form_deviation, self.planned.form_deviation),
+            (one.radius_deviation, other.radius_deviation),
+            (one.form_deviation, other.form_deviation),
         )
         return all(abs(a - b) <= max(SAME, SAME_SHARE * abs(b)) for a, b in pairs)
-
-    @property
-    def largest(self) -> float:
-        """How far the tool is off at most [m]."""
-        return abs(self.radius_deviation) + 0.5 * self.form_deviation
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -160,47 +155,45 @@ def export_group(
         lines, (*own, path) = _write_together(layout, parts, words, target)
     else:
         lines, (*own, path) = _write_apart(layout, parts, words)
-    judged = [
+    alone = [
         judge_text(subject, _with_path(values, path))
         for subject, values in zip(subjects, own, strict=True)
     ]
-    by_name = dict(zip([axis.name for axis in record.axes], judged, strict=True))
-    drawn = [by_name[name].held for name in record.plane]
+    held = {axis.name: one.held for axis, one in zip(record.axes, alone, strict=True)}
+    drawn = [held[name] for name in record.plane]
     pair, limits = _read_pair(drawn), _read_path(drawn, path)
-    slowed = [_slow_down(one, limits) for one in judged]
+    judged = [_slow_down(one, limits) for one in alone]
     circles = tuple(_draw_circles(record, pair))
     line, _ = line_deviation(pair, feed=record.feed, limits=limits)
     rows = [row for part in parts for row in part.rows]
-    lacking = tuple(_lack(record, {row.key for row in rows}))
     title, names = record.axes[0].machine.name, tuple(axis.name for axis in record.axes)
     profiles = [axis.profile for axis in record.axes]
-    contours = tuple(_say_contours(circles, line, record))
-    said = [
-        Message("group-export-title", name=title, axes=names, control=name_control(target.key)),
-        *say_origin(record.tool, record.created, profiles, title, *names),
-        *contours,
-        *_say_verdict(record),
-        *_say_axes(record, target, subjects, slowed, parts),
-        *_say_gaps(lacking, rows),
-    ]
+    contours = [*((_say_circle(one), not one.is_same) for one in circles)]
+    contours.append((_say_line(line, record), line > record.tolerance))
+    not_met, gaps = tuple(_say_verdict(record)), tuple(_say_gaps(record, rows))
     # That the rule at corners was not read is of no matter where the text holds no value for it.
     doubt, holds_corner = Message("group-rule-not-verified"), _hold(rows, AT_CORNERS)
     warnings = [one for one in record.warnings if holds_corner or one != doubt]
-    said += say_doubts(subjects, judged, warnings, rows, words)
+    said = [
+        Message("group-export-title", name=title, axes=names, control=name_control(target.key)),
+        *say_origin(record.tool, record.created, profiles, title, *names),
+        *(message for message, _ in contours),
+        *not_met,
+        *_say_axes(record, target, subjects, judged, parts),
+        *gaps,
+        *say_doubts(subjects, alone, warnings, rows, words),
+    ]
     header = say_plainly(said, words)
-    off = max(line, *(one.largest for one in circles))
+    off = max(line, *(one.drawn.largest for one in circles))
     is_gentle = limits.on_circles[0] <= JUST * record.limits.on_circles[0]
-    are_off = [*(not one.is_same for one in circles), line > record.tolerance]
-    missed = [said for said, is_off in zip(contours, are_off, strict=True) if is_off]
-    missed += [*_say_verdict(record), *_say_missed(record, slowed), *_say_gaps(lacking, rows)]
+    are_met = all(one.is_met and not one.left_out for one in judged)
+    missed = [message for message, is_off in contours if is_off]
     return GroupExport(
         header=header,
         circles=circles,
         line=line,
-        meets_requirements=all(one.is_met and not one.left_out for one in (*judged, *slowed))
-        and off <= record.tolerance
-        and is_gentle,
-        missed=tuple(missed),
+        meets_requirements=are_met and off <= record.tolerance and is_gentle,
+        missed=(*missed, *not_met, *_say_missed(record, judged), *gaps),
         text=compose_text(layout, header, lines),
     )
 
@@ -356,56 +349,40 @@ def _draw_circles(record: GroupRecord, pair: Pair) -> Iterator[CircleOfText]:
     for circle in record.circle:
         if any(isclose(circle.feed, feed) for feed in (SLOW, record.feed)):
             off, _ = worst_circle(pair, np.array([circle.feed / circle.radius]))
-            yield CircleOfText(
-                planned=circle,
+            drawn = replace(
+                circle,
                 radius_deviation=circle.radius * float(off.radius[0]),
                 form_deviation=circle.radius * float(off.form[0]),
             )
+            yield CircleOfText(planned=circle, drawn=drawn)
 
 
 def _hold(rows: Sequence[Row], key: Key) -> bool:
     return any(row.key == key for row in rows)
 
 
-def _lack(record: GroupRecord, held: set[Key]) -> Iterator[Message]:
-    """Values of the group without which it does not do what was judged, and that have no place."""
-    waits = tuple(
-        Message("group-wait-of", name=axis.name, wait=axis.wait)
-        for axis in record.axes
-        if axis.wait
-    )
-    if waits and WAIT not in held:
-        yield Message("group-wait-without-place", waits=waits)
-    limits = record.limits
-    for key, told, axes in (
-        (PATH_ACCELERATION, limits.acceleration, limits.accelerations),
-        (PATH_JERK, limits.jerk, limits.jerks),
-    ):
-        # A circle takes no more than the lesser axis; lines are simulated from the text.
-        if told < min(axes) and key not in held:
-            yield Message(f"group-{key[1]}-without-place", value=told)
-
-
 # The sentences above the parameters
 
 
-def _say_contours(
-    circles: Sequence[CircleOfText], line: float, record: GroupRecord
-) -> Iterator[Message]:
+def _say_circle(one: CircleOfText) -> Message:
     def show(value: float) -> Message:
         return show_value(value, "m")
 
-    for one in circles:
-        yield Message(
-            "group-export-circle" if one.is_same else "group-export-other-circle",
-            radius=1e3 * one.planned.radius,
-            feed=60.0 * one.planned.feed,
-            deviation=show(one.radius_deviation),
-            form=show(one.form_deviation),
-            planned=show(one.planned.radius_deviation),
-            planned_form=show(one.planned.form_deviation),
-        )
-    yield Message("group-export-line", feed=60.0 * record.feed, deviation=show(line))
+    drawn, planned = one.drawn, one.planned
+    return Message(
+        "group-export-circle" if one.is_same else "group-export-other-circle",
+        radius=1e3 * planned.radius,
+        feed=60.0 * planned.feed,
+        deviation=show(drawn.radius_deviation),
+        form=show(drawn.form_deviation),
+        planned=show(planned.radius_deviation),
+        planned_form=show(planned.form_deviation),
+    )
+
+
+def _say_line(line: float, record: GroupRecord) -> Message:
+    deviation = show_value(line, "m")
+    return Message("group-export-line", feed=60.0 * record.feed, deviation=deviation)
 
 
 def _say_verdict(record: GroupRecord) -> Iterator[Message]:
@@ -442,8 +419,24 @@ def _say_missed(record: GroupRecord, judged: Sequence[Judged]) -> Iterator[Messa
             yield Message("group-export-of", name=axis.name, said=say_verdict(found))
 
 
-def _say_gaps(lacking: tuple[Message, ...], rows: Sequence[Row]) -> Iterator[Message]:
+def _say_gaps(record: GroupRecord, rows: Sequence[Row]) -> Iterator[Message]:
+    """What has no place, without which the group does not do what was judged."""
+    lacking, limits = list[Message](), record.limits
+    waits = tuple(
+        Message("group-wait-of", name=axis.name, wait=axis.wait)
+        for axis in record.axes
+        if axis.wait
+    )
+    if waits and not _hold(rows, WAIT):
+        lacking.append(Message("group-wait-without-place", waits=waits))
+    for key, told, axes in (
+        (PATH_ACCELERATION, limits.acceleration, limits.accelerations),
+        (PATH_JERK, limits.jerk, limits.jerks),
+    ):
+        # A circle takes no more than the lesser axis; lines are simulated from the text.
+        if told < min(axes) and not _hold(rows, key):
+            lacking.append(Message(f"group-{key[1]}-without-place", value=told))
     if lacking:
-        yield Message("group-export-without-place", values=lacking)
+        yield Message("group-export-without-place", values=tuple(lacking))
     if not _hold(rows, AT_CORNERS):
         yield Message("group-export-no-corner")

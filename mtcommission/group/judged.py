@@ -54,6 +54,11 @@ class Circle:
     """How far friction throws the tool off at most where an axis reverses; empty without any."""
     corner: dict[str, Message]  # by axis
 
+    @property
+    def largest(self) -> float:
+        """How far the tool is off at most, friction apart [m]."""
+        return abs(self.radius_deviation) + 0.5 * self.form_deviation
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LargestFeed:
