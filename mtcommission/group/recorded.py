@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from mtcommission.base.errors import InputError
 from mtcommission.base.messages.message import Message
 from mtcommission.identify.columns import read_signal_unit
+from mtcommission.identify.damped import correlation_length
 from mtcommission.identify.formats.recognise import read_contents, read_measured
 from mtcommission.identify.formats.table import find_columns
 from mtcommission.identify.measurement import Column, Lines, Signal, TimeContents, refuse
@@ -336,10 +337,7 @@ def _fit(
         found = design @ off
         middle = middle + found[1:3]
     rest = (off - A @ found)[kept]
-    power = float(rest @ rest)
-    # Neighbours that are alike tell so much less: as of a first-order process.
-    alike = float(np.clip(rest[1:] @ rest[:-1] / max(power, 1e-300), 0.0, 0.999))
-    variance = power / max(rest.size - A.shape[1], 1) * (1.0 + alike) / (1.0 - alike)
+    variance = correlation_length(rest) * float(rest @ rest) / max(rest.size - A.shape[1], 1)
     return FittedCircle(
         trace=trace,
         radius=nominal,
