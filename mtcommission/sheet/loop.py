@@ -160,7 +160,7 @@ def bode(record: Record, words: Catalogue) -> LinePlot:
             Signals(text("magnitude"), "", magnitudes, [0.0], "0 dB"),
             Signals(text("phase"), "", phases, [-180.0], "−180°"),
         ],
-        x=(text("in-unit", name=text("name-frequency"), unit="Hz"), ""),
+        x=(text("in-unit", name=text("frequency"), unit="Hz"), ""),
         is_log=True,
     )
 

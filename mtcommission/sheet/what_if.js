@@ -201,7 +201,7 @@ const whatIf = (() => {
     return {svg, x, y, inside: add(svg, "g", {"clip-path": `url(#wi-clip-${key})`}), width};
   }
 
-  const inHertz = say("in_unit", {name: words.name_frequency, unit: "Hz"});
+  const inHertz = say("in_unit", {name: words.frequency, unit: "Hz"});
   const inUnit = (name, unit) => say("in_unit", {name, unit: units[unit].unit});
 
   function curve(inside, x, y, xsize, ysize, response, className) {

@@ -46,7 +46,7 @@ WORDS = (
     "acceleration", "all-corners", "all-met", "damping", "deviation", "field-size",
     "frequencies", "in-unit", "jerk-time", "landscape-none", "landscape-range",
     "landscape-running", "magnitude", "met", "missed-check", "move", "moving-average",
-    "name-frequency", "no-setpoint-filter", "no-notch", "nominal", "not-met", "not-settled",
+    "frequency", "no-setpoint-filter", "no-notch", "nominal", "not-met", "not-settled",
     "out-of-range", "phase", "ramp", "residual", "saturated", "sizes-met",
     "sizes-missed", "taken", "time", "tried-machine", "unlimited", "unstable", "worst-so-far",
 )  # fmt: skip

@@ -461,3 +461,4 @@ improvement-saved = Gespart
 improvement-share = Zeitänderung
 plot-alt = Kurven über { $along }. { $panels }.
 line-measured = gemessen
+frequency = Frequenz

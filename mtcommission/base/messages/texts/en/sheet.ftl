@@ -411,3 +411,4 @@ improvement-saved = Saved
 improvement-share = Change of time
 plot-alt = Curves over { $along }. { $panels }.
 line-measured = measured
+frequency = Frequency
