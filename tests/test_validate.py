@@ -138,7 +138,7 @@ def test_command(
     found: Validation, is_met: bool, monkeypatch: pytest.MonkeyPatch, run: Run, tmp_path: Path
 ) -> None:
     """argv -> JSON alone on standard output, the page in its folder, exit code by verdict."""
-    row = number("increase", 1.0, 1.0 if is_met else 2.0, 0.0)
+    row = number("increase", 1.0, 1.0 if is_met else 2.0, 0.0, {"own": 1.0})
     shown = replace(found, parts=found.parts | {"more": [row]})
     monkeypatch.setattr(page, "validate", lambda progress: shown)
     code, said, _ = run("validate", "--json", "-", "-o", tmp_path / "out")

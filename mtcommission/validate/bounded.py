@@ -51,7 +51,9 @@ def bounded_rows(cases: Cases) -> list[Row]:
     room = 1e-9 * RATE_BOUND
     return [
         number("bounded-time", printed, bounded.t_f, TIME_ACCURACY, least, unit="s"),
-        number("increase", INCREASE, longer, 2.0 * TIME_ACCURACY / T_F, corrected=own),
+        number(
+            "increase", INCREASE, longer, 2.0 * TIME_ACCURACY / T_F, {"own": own}, corrected=own
+        ),
         number("largest-rate", RATE_BOUND, rate, room, unit="rad/s"),
         *_structure(bounded),
         *_formulas(cases),
