@@ -419,12 +419,6 @@ def test_closed_streams_and_odd_texts_end_with_a_message(run: Run, tmp_path: Pat
     assert "is JSON, as the record of a run is" in run("check", odd)[2]
 
 
-def test_a_wrong_epoch_is_named(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("SOURCE_DATE_EPOCH", "garbage")
-    code, _, err = run("sweep", PAPER, "--f-max", "1kN,2kN", "-o", tmp_path / "out")
-    assert (code, err.partition(":")[0]) == (2, "SOURCE_DATE_EPOCH")
-
-
 def test_a_control_without_jerk_limit_is_simulated_without_one(run: Run) -> None:
     """Its engineer has no jerk to enter; whoever has one must say which. What ran is said."""
     tried = ("--acceleration", "50", "--filter", "none", "--move", "2", "--size", "20mm/s")
@@ -447,14 +441,6 @@ def test_an_own_stream_that_leads_into_a_file_keeps_what_is_in_it(tmp_path: Path
     text = log.read_text("utf-8")
     assert text.startswith("kept\nt,F_set,")
     assert "Time-optimal control" in text  # the table, behind it
-
-
-def test_a_terminal_without_columns_shows_all(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("COLUMNS", "0")
-    monkeypatch.setattr("sys.stdout.isatty", lambda: True, raising=False)
-    monkeypatch.setenv("FORCE_COLOR", "1")
-    _, out, _ = run("check", PAPER)
-    assert "milling" in out.lower()
 
 
 def test_a_terminal_shows_the_limits_before_what_takes_longer(

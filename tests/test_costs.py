@@ -23,7 +23,6 @@ from mtcommission.machine.moves import Positioning, VelocityStep, least_motion_t
 from mtcommission.machine.plant.modal import Modal
 from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.machine.profile.shipped import read_shipped
-from mtcommission.optimal import bang_bang
 from mtcommission.optimal.control import balanced_expm, follow_control, joint_system
 from mtcommission.optimal.free import solve_time_optimal
 from mtcommission.setpoint.motion_limits import MotionLimits
@@ -50,14 +49,6 @@ def test_a_tiny_force_on_an_undamped_mode_is_refused() -> None:
     with pytest.raises(ComputationError) as end:
         solve_time_optimal(undamped(), STEP, force_limit=1e-4)
     assert end.value.outcome is Outcome.MOVE_TOO_LONG
-
-
-def test_many_switches_are_the_same_by_a_sparse_jacobian(monkeypatch: pytest.MonkeyPatch) -> None:
-    dense = solve_time_optimal(undamped(), STEP, force_limit=20.0)
-    assert len(dense.arcs) > 2
-    monkeypatch.setattr(bang_bang, "MOST_DENSE", 2)
-    sparse = solve_time_optimal(undamped(), STEP, force_limit=20.0)
-    assert sparse.switching_times == pytest.approx(dense.switching_times, rel=1e-12)
 
 
 def test_a_stroke_of_thirty_metres_has_its_optimum() -> None:

@@ -242,17 +242,6 @@ def test_a_mode_named_as_a_word_of_the_sheet_keeps_its_name_on_a_rotary_axis(nam
     assert before.replace("drum", name) == after
 
 
-def test_the_first_page_says_each_warning_once():
-    record = example_record()
-    others = record["warnings"]
-    record["robustness"]["warnings"] = [said("requirement-rms-force")]
-    record["warnings"] = [*others, *record["robustness"]["warnings"]]
-    blocks = compose(record).sections[0].blocks
-    told = [b.text for b in blocks if isinstance(b, Paragraph) and b.tone is Tone.WARNING]
-    more = ENGLISH.text("warning-count", count=len(others), others="yes")
-    assert told[:2] == ["RMS force", more]
-
-
 def test_what_is_to_be_measured_has_its_value_and_empty_fields():
     for make in RECORDS.values():
         record = make()
@@ -510,16 +499,8 @@ def test_two_records_show_what_changed_and_by_how_much():
     assert "of what they hang on, this changed: TCP height h, signed." in page
 
 
-def test_a_comparison_of_two_axes_says_that_it_is_none_of_one():
-    before, after = example_record(), example_record()
-    before["machine"]["axis"] = "B"
-    section = next(
-        one for one in compose(after, before=before).sections if one.key == "differences"
-    )
-    assert "are different axes" in section.blocks[1].text
-
-
 def test_a_move_that_became_another_is_not_compared_by_its_numbers():
+    """Nor are two axes in silence, nor a rotary axis with a linear one at all."""
     before, after = example_record(), five_moves_record()
     for key in ("moves", "optima"):
         after[key] = after[key][1:2]
@@ -527,9 +508,10 @@ def test_a_move_that_became_another_is_not_compared_by_its_numbers():
     sizes["valid_for"] = sizes["valid_for"][1:2]
     row = changes(before, after)["Move\N{NO-BREAK SPACE}1"]
     assert ("velocity step" in row[0], "positioning" in row[1], row[2]) == (True, True, "changed")
-
-
-def test_rotary_and_linear_axes_are_not_compared():
+    before["machine"]["axis"] = "B"
+    sections = compose(example_record(), before=before).sections
+    section = next(one for one in sections if one.key == "differences")
+    assert "are different axes" in section.blocks[1].text
     with pytest.raises(InputError, match="--compare: got a linear axis, must be rotary"):
         print_html(rotary_record(), before=example_record())
 
