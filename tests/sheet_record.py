@@ -205,7 +205,7 @@ def unsettled_record() -> Json:
 
 
 def five_moves_record() -> Json:
-    """Five moves with bounded optima, 27 corners, long and hostile names everywhere, numbers of
+    """Five moves with bounded optima, nine corners, long and hostile names everywhere, numbers of
     every size."""
     record = example_record()
     moves = [
@@ -220,8 +220,8 @@ def five_moves_record() -> Json:
     names = [WORD, LONG, HOSTILE, "mode<script>"]
     damping = {name: 0.12345 * 10.0**-k for k, name in enumerate(names)}
     record["machine"] |= {"name": HOSTILE, "source": f"{WORD} {LONG} {LONG}"}
-    record["profile"] |= {"name": HOSTILE, "text": f"# {HOSTILE}\n{WORD * 4}\n" * 60}
-    record["warnings"] = [f"{LONG} {WORD} {HOSTILE}"] * 14
+    record["profile"] |= {"name": HOSTILE, "text": f"# {HOSTILE}\n{WORD * 4}\n" * 9}
+    record["warnings"] = [f"{LONG} {WORD} {HOSTILE}"] * 4
     record["assumptions"] = loop["remarks"] = [HOSTILE]
     mode = record["plant"]["modes"][0]
     record["plant"]["modes"] = [
@@ -234,11 +234,11 @@ def five_moves_record() -> Json:
     for move, optima in zip(record["moves"], record["optima"], strict=True):
         move["response"]["mode_amplitudes"] = damping
         move["corners"] = [
-            move["response"] | {"payload": 1234.5 * k, "max_force": 1.2345e9} for k in range(27)
+            move["response"] | {"payload": 1234.5 * k, "max_force": 1.2345e9} for k in range(9)
         ]
         optima["constrained"] = deepcopy(optima["time"]) | {"limits": {"v_phi": 0.0053}}
     limits["rules"] = [
-        limits["rules"][0] | {"name": f"{LONG} {k}", "source": WORD} for k in range(14)
+        limits["rules"][0] | {"name": f"{LONG} {k}", "source": WORD} for k in range(5)
     ]
     for item in limits["alternatives"]:
         item["name"] = HOSTILE
@@ -252,7 +252,7 @@ def five_moves_record() -> Json:
     }
     limits["listed_only"] = None
     record["data"] += [
-        _datum(f"plant.{WORD}_{k}", 10.0 ** (3 * k - 30), "N s/m") | {"source": HOSTILE}
+        _datum(f"plant.{WORD}_{k}", 10.0 ** (3 * k - 30), "N s/m") | {"source": LONG}
         for k in range(21)
     ]
     return record

@@ -1,7 +1,7 @@
 """Broken and half-broken profiles: an exit code and a message, never a traceback.
 
 ``python -m benchmarks.fuzz`` does so for every command, ten thousand times if need be.
-MTCOMMISSION_FUZZ sets how many mutated profiles are tried (default: a few hundred).
+MTCOMMISSION_FUZZ sets how many mutated profiles are tried (default: some hundred).
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from benchmarks.mutations import dice_of, mutated, mutated_text, mutated_values,
 from mtcommission.commission.commission import commission
 from mtcommission.machine.profile.shipped import read_shipped
 
-COUNT = int(os.environ.get("MTCOMMISSION_FUZZ", "200"))
+COUNT = int(os.environ.get("MTCOMMISSION_FUZZ", "120"))
 
 TEXTS = shipped_texts()
 
@@ -46,7 +46,7 @@ def test_mutated_profiles_never_crash_check(tmp_path: Path) -> None:
     assert codes[2] > 0.2 * COUNT
 
 
-@pytest.mark.parametrize(("command", "count"), [("simulate", 4), ("optimal", 2)])
+@pytest.mark.parametrize(("command", "count"), [("simulate", 2), ("optimal", 2)])
 def test_machines_with_slips_of_units_are_computed_or_refused(
     command: str, count: int, tmp_path: Path
 ) -> None:
@@ -67,7 +67,7 @@ def test_mutated_profiles_never_crash_the_wizard(tmp_path: Path) -> None:
     profile, or it says what is wrong."""
     profile, new = tmp_path / "mutated.toml", tmp_path / "new.toml"
     codes: dict[int, int] = {}
-    for seed in range(COUNT // 5):
+    for seed in range(COUNT // 4):
         text = mutated_text(TEXTS[seed % len(TEXTS)], dice_of(21, seed))
         for arguments in (("-o", profile), ("-o", new, "--answers", profile)):
             profile.write_text(text, "utf-8", newline="")
@@ -78,8 +78,8 @@ def test_mutated_profiles_never_crash_the_wizard(tmp_path: Path) -> None:
             # 3: a move that is valid, but too long to be followed.
             assert code == 2 or call("check", str(arguments[1]))[0] in (0, 3), (seed, arguments)
             codes[code] = codes.get(code, 0) + 1
-    assert codes[0] > 0.05 * COUNT / 5
-    assert codes[2] > 0.05 * COUNT / 5
+    assert codes[0] > 0.05 * COUNT / 4
+    assert codes[2] > 0.05 * COUNT / 4
 
 
 def test_a_crawl_to_a_tiny_velocity_gets_limits() -> None:
