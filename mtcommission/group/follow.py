@@ -46,8 +46,8 @@ FINER = 4
 """Instants of a position cycle that are looked at."""
 
 PAUSE = 1.5
-"""Between two reversals where a circle is made up for its acceleration, in times of the loop
-(empirical) [-]."""
+"""How long an axis moves before it reverses, and between two reversals where a circle is made up
+for its acceleration, in times of the loop (empirical: a nanometre is left) [-]."""
 
 
 Circles = tuple[tuple[float, float], ...]
@@ -162,9 +162,9 @@ class Follower:
         loops = [self.tuned.loops[corner] for corner in corners] * len(circles)
         gains, omega, fades = loops[0].controller, feed / radius, self.fades
         # It moves off midway between two reversals, and reverses until what that did has faded.
-        quarter = 0.5 * pi / omega
-        more = np.ceil(np.maximum(fades - quarter, 0.0) / (2.0 * quarter))
-        before = np.minimum(fades, quarter) + 2.0 * quarter * more
+        quarter, run_in = 0.5 * pi / omega, PAUSE * fades
+        more = np.ceil(np.maximum(run_in - quarter, 0.0) / (2.0 * quarter))
+        before = np.minimum(run_in, quarter) + 2.0 * quarter * more
         t = np.arange(0.0, float(before.max()) + fades, gains.position_cycle)
         size = radius * np.abs(filter_response(self.setpoint_filter, omega))
         phase = omega * (t[:, None] - before)
