@@ -173,12 +173,10 @@ class MoveSizesEntry:
     )
     setpoint_filter: SetpointFilter | None = of("limits.setpoint_filter")
     move: dict[str, float] = of(lambda sizes: describe_move(sizes.move))
-    own: float = of(lambda sizes: size_of(sizes.move))  # size of the profile's move
     size: list[float] = of(_plotted("size"))  # velocity steps or distances
-    settling_time: list[float | None] = of(_plotted("settling_time"))
     residual_deviation: list[float | None] = of(_plotted("residual_deviation"))
     full_from: float | None  # from here on the acceleration is reached; None: never
-    kept_from: float | None  # the band is kept about ``own`` from here; None: not even there
+    kept_from: float | None  # the band is kept about the profile's size from here; None: not there
     kept_to: float | None
 
 

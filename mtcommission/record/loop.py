@@ -129,8 +129,6 @@ class LoopPart:
     Tn: float | None = of("integral_time")
     reference_model_time: float
     reference_delay: float
-    reference_age: float  # of the setpoint from which the wanted state is taken
-    velocity_age: float  # of the one from which the wanted velocity is taken
     state_feedback: dict[str, float]
     feedforward: FeedforwardEntry
     position_cycle: float

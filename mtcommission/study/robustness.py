@@ -223,8 +223,7 @@ class MoveSizes:
     limits: MotionLimits  # with the setpoint filter in use
     move: Move  # the profile's
     size: Array  # velocity step or distance, rising, shape (n,) [m/s or m]
-    settling_time: Array  # worst over the corners, shape (n,) [s]
-    residual_deviation: Array  # likewise [m]
+    residual_deviation: Array  # worst over the corners, shape (n,) [m]
     full_from: float  # size from which a is reached at all; inf: ``max_velocity`` forbids it
     kept_from: float  # ends of the unbroken range about the profile's own size in which the band
     kept_to: float  # is kept [m/s or m]; both nan if not at that size
@@ -279,7 +278,6 @@ def _judge_sizes(
         limits=limits,
         move=move,
         size=size,
-        settling_time=free.settling(band).max(axis=1),
         residual_deviation=residual,
         full_from=full_size(limits, move),
         kept_from=float(size[low]) if low <= high else nan,
