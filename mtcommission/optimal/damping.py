@@ -60,9 +60,6 @@ LAW_GOAL = 1e-10
 """Violation at which the iteration stops, in units of F_max [-]."""
 DIVERGED = 1e3
 """Violation from which the iteration does not come back, in units of F_max [-] (empirical)."""
-NEAR_ENOUGH = 1e-2
-"""Violation at which a limit on the way to F_max has done its work, to start the next one, in
-units of the limit [-] (empirical: with 0.1 some moves get stuck, with less all take longer)."""
 ITERATIONS = 100
 """Arc iterations for one limit before the step is halved (empirical)."""
 STEPS = 120
@@ -330,17 +327,15 @@ def _solve_saturated(problem: _SaturatedProblem, *, force_unit: str) -> _Iterate
     trial, fraction = 1.0, 1.0
     for _ in range(STEPS):
         is_last = trial == 1.0
-        goal = LAW_GOAL if is_last else NEAR_ENOUGH
+        goal = LAW_GOAL if is_last else LAW_TOLERANCE
         now = _settle(problem, reached, bound=trial, goal=goal)
-        settled = now.violation <= (LAW_TOLERANCE if is_last else NEAR_ENOUGH) * trial
+        settled = now.violation <= LAW_TOLERANCE * trial
         if settled and is_last:
             return now
         if settled:
             limit, reached, fraction = trial, now, min(0.9, 1.5 * fraction)
         else:
             fraction /= 2.0
-            # a better start of the next step, before steps get small
-            reached = _settle(problem, reached, bound=limit, goal=LAW_GOAL)
         trial = max(1.0, limit * (1.0 - fraction))
     detail = Message(
         "damping-not-solved",
