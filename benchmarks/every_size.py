@@ -217,9 +217,7 @@ def filters_of(machine: Machine, points: int) -> list[SetpointFilter | None]:
         return [control.setpoint_filter]
     for choice in control.kind.setpoint_filters:
         least, most = choice.times(cycle)
-        lengths = np.geomspace(
-            max(least, control.position_cycle), max(most, control.position_cycle), points // 2
-        )
+        lengths = np.geomspace(max(least, 2.0 * cycle), max(most, 2.0 * cycle), points // 2)
         modes = build_plant(machine).modes
         if choice.kind == MOVING_AVERAGE and most > least:
             found += [SetpointFilter(kind=choice.kind, time=t) for t in lengths]

@@ -62,7 +62,9 @@ def test_limits_are_judged_in_a_state_as_on_the_machine_that_is_always_in_it() -
     for whole, *parts in zip(
         both.assessment.checks, apart.assessment.checks, near.assessment.checks, strict=True
     ):
-        assert whole.value == pytest.approx(max(one.value for one in parts), rel=1e-9)
+        # Of what is far above its bound sizes are laid no closer than needed to tell so.
+        rel = 1e-9 if whole.is_met else 2e-3
+        assert whole.value == pytest.approx(max(one.value for one in parts), rel=rel)
 
 
 @pytest.mark.parametrize(

@@ -117,7 +117,6 @@ distance = "200 mm"
 max_velocity = "1 m/s"
 [requirements]
 tcp_deviation = "0.1 mm"
-move_sizes = "listed"
 """
 OMEGA = sqrt(2e6 * 80 / (20 * 60))
 

@@ -12,12 +12,14 @@ import pytest
 
 from mtcommission.base.errors import InputError
 from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.commission.commission import commission
 from mtcommission.identify.measurement import Given
 from mtcommission.machine.moves import Positioning
 from mtcommission.machine.profile.read import parse_profile
+from mtcommission.record.machine import Profile
 from mtcommission.record.read_back import read_limits
-from mtcommission.record.record import Record
-from mtcommission.record.shape import to_entry
+from mtcommission.record.record import Record, build_record
+from mtcommission.record.shape import dump_json
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.verify.checks import Check, Verdict, judge_all
 from mtcommission.verify.feedforward import suggest_feedforward
@@ -28,12 +30,16 @@ from mtcommission.verify.trace import read_trace
 from mtcommission.verify.verify import Verification, verify
 from tests.conftest import Run
 from tests.recorded_traces import ROTARY, UNITS, Spoilt, record_moves, write_csv
-from tests.sheet_record import shipped_record
+
+PROFILES = Path(__file__).parent.parent / "profiles"
 
 
 @cache
 def record_of(name: str) -> Record:
-    return to_entry(shipped_record(name), Record)
+    text = (PROFILES / f"{name}.toml").read_text(encoding="utf-8")
+    done = commission(parse_profile(text, where=name))
+    profile = Profile(name=f"{name}.toml", sha256="0" * 64, text=text)
+    return build_record(done, profile=profile, created="2026-01-01T00:00:00+00:00", warnings=[])
 
 
 @cache
@@ -360,7 +366,7 @@ def test_an_axis_that_sticks_has_no_mode_of_it(tmp_path: Path) -> None:
 def test_the_command_and_the_sheet_say_the_same(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, run: Run
 ) -> None:
-    (tmp_path / "record.json").write_text(json.dumps(shipped_record(GANTRY)))
+    (tmp_path / "record.json").write_text(dump_json(record_of(GANTRY)), encoding="utf-8")
     how = Spoilt(frequency=1.12, noise=2e-7, step=5e-4)
     write_csv(tmp_path / "move.csv", columns_of(GANTRY, how))
     monkeypatch.chdir(tmp_path)

@@ -35,6 +35,10 @@ SHORTEST, LONGEST = 1e-3, 3.0
 LEAST_SHARE, LADDER = 1e-5, 160
 """Least acceleration looked at, as a share of the largest, and rungs up to that (empirical)."""
 
+FINER, SMOOTH = np.linspace(0.0, 1.0, 9), 1.2
+"""Shares of the way to the next rung at which it is looked closer, and by what factor more may be
+used there without (empirical)."""
+
 EQUALLY_SOON = 1.0015
 """Limits that settle within this factor of the soonest settle equally soon: then less jerk is
 better (design choice: what a sixth of a per cent of time cannot buy, wear and noise pay for)."""
@@ -51,7 +55,7 @@ STEPS = 4
 FALLING = (1.0, 0.9975, 0.995, 0.99, 0.985, 0.98, 0.97, 0.96, 0.94, 0.92, 0.9)
 """Shares of an acceleration that are looked at together (empirical)."""
 
-WORTHWHILE = 1.05
+WORTHWHILE = 1.1
 """What takes longer than the best so far by this factor is not followed further (empirical)."""
 
 NOTICEABLE = 0.9997
@@ -64,8 +68,11 @@ CLOSE, NEARLY = 0.002, 0.01
 """Share of a bound that may be left over, and by which limits are scaled without a look [-]
 (empirical)."""
 
-REFINED, REACHES = 4, (0.35, 0.16, 0.1, 0.06, 0.02, 0.01)
+REFINED, REACHES = 4, (0.35, 0.16, 0.1, 0.06, 0.02, 0.01, 0.003)
 """Best places, of different filters, that are refined, and how far about them [-] (empirical)."""
+
+FOR_SHAPERS = 0.005
+"""Nearer than that only another frequency makes a difference [-] (empirical)."""
 
 NEAR_REACHES = (0.25, 0.1, 0.03)
 """The same where one begins at what is known of a loop much like this one [-] (empirical)."""
@@ -225,6 +232,9 @@ class _Explorer:
         """Look about a place, ever nearer, in the direction of either time."""
         here, control = begin, self.bench.machine.control
         for reach in reaches:
+            item = here.setpoint_filter
+            if reach < FOR_SHAPERS and not (item and item.frequency_hz):
+                continue
             while True:
                 t = here.jerk_time
                 around = [t * (1.0 - reach), t * (1.0 + reach)] if is_free else []
@@ -244,27 +254,32 @@ class _Explorer:
 
     def _hope(self, item: SetpointFilter | None, times: Array, latest: float) -> None:
         """Note what quick looks leave possible at some jerk times, where that is soon enough."""
-        ladder, use = self.ladder, self.bench.use(item)
-        a, t_j = np.meshgrid(ladder, times)
-        possible, ends = a <= self.largest_jerk * t_j, np.full(a.shape, inf)
-        ends[possible] = self.bench.durations(item, a[possible], t_j[possible])
-        possible &= ends <= latest
-        used = np.full(a.shape, inf)
-        if possible.any():
-            used[possible] = use.of_after(a[possible], t_j[possible])
-        found = np.zeros(len(times))
-        for k, allowed in enumerate(used <= 1.0):
-            if not allowed.any():
-                continue
-            last = int(np.flatnonzero(allowed)[-1])
-            found[k] = ladder[last]
-            # The share rises between two rungs; where only the lower one is allowed, between them.
-            if last < len(ladder) - 1 and possible[k, last + 1]:
-                low, high = np.log(max(used[k, last], 1e-12)), np.log(used[k, last + 1])
-                found[k] *= float(ladder[last + 1] / ladder[last]) ** float(-low / (high - low))
-        if not found.any():
-            return
-        times, found = times[found > 0.0], found[found > 0.0]
+        use, a = self.bench.use(item), np.tile(self.ladder, (len(times), 1))
+        for _ in (0, 1):  # what is allowed may end with a jump between two rungs
+            t_j = np.broadcast_to(times[:, None], a.shape)
+            possible, used = a <= self.largest_jerk * t_j, np.full(a.shape, inf)
+            ends = np.full(a.shape, inf)
+            ends[possible] = self.bench.durations(item, a[possible], t_j[possible])
+            is_soon = ends <= latest
+            is_soon[:, :-1] |= is_soon[:, 1:]  # between two rungs it may be
+            possible &= is_soon
+            if possible.any():
+                used[possible] = use.of_after(a[possible], t_j[possible])
+            is_any = (used <= 1.0).any(axis=1)
+            if not is_any.any():
+                return
+            a, used, possible, times = a[is_any], used[is_any], possible[is_any], times[is_any]
+            row = np.arange(len(a))
+            last = a.shape[1] - 1 - np.argmax((used <= 1.0)[:, ::-1], axis=1)
+            above = np.minimum(last + 1, a.shape[1] - 1)
+            found, following = a[row, last], a[row, above]
+            if np.all(used[row, above] <= SMOOTH * used[row, last]):
+                break
+            a = found[:, None] * (following / found)[:, None] ** FINER
+        is_between = possible[row, above] & (above > last)
+        low = np.log(np.maximum(used[row, last], 1e-12))
+        high = np.log(np.where(is_between, used[row, above], inf))
+        found = found * (following / found) ** (-low / (high - low))
         most = self._within_means(use, found, times)
         durations = self.bench.durations(item, most, times)
         for t, each, duration in zip(
@@ -344,6 +359,7 @@ class _Explorer:
         best: Found | None = None
         exact = 0.0  # share of the band at the very phases, per a [s²/m]
         low, high = (0.0, 0.0), (inf, inf)  # accelerations kept and not, and what they use
+        grows = 1.0  # power of the acceleration with which that grows
         for _ in range(STEPS):
             # The time to max_velocity may cancel a mode: what is allowed has gaps.
             steps = a * np.array(FALLING)
@@ -376,10 +392,14 @@ class _Explorer:
                 if rest >= 1.0 - NEARLY or high[0] == inf:
                     break
             else:
-                high = a, rest
-            if best is None:
-                a /= rest
-                continue
+                before, high = high, (a, rest)
+                if best is None:
+                    # What does not reach its acceleration uses less than in proportion to it.
+                    if before[0] < inf:
+                        grown = np.log(before[1] / rest) / np.log(before[0] / a)
+                        grows = float(np.clip(grown, LEAST_GROWTH, 1.0))
+                    a *= rest ** (-1.0 / grows)
+                    continue
             # Peaks need not be in proportion to the acceleration: between the two.
             if high[0] < (1.0 + CLOSE) * low[0]:
                 break

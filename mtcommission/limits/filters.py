@@ -14,6 +14,9 @@ from mtcommission.loop.model.assembly import SampledLoop
 from mtcommission.machine.control import Control
 from mtcommission.machine.setpoint_filter import SetpointFilter, frequencies_told_apart
 
+LEAST_CYCLES = 2
+"""Position cycles over which an average takes a mean at least."""
+
 TIMES = 8
 """Lengths of one moving average, or of two alike, that are tried at first, logarithmic, beside
 those of what rings."""
@@ -67,7 +70,7 @@ def _of_kind(
     choice: FilterChoice, control: Control, ringing: list[tuple[float, float]]
 ) -> Iterator[SetpointFilter]:
     kind, periods = choice.kind, [1.0 / frequency for frequency, _ in ringing]
-    usual = np.geomspace(2.0 * control.position_cycle, LONGEST, TIMES).tolist()
+    usual = np.geomspace(LEAST_CYCLES * control.position_cycle, LONGEST, TIMES).tolist()
     if kind == MOVING_AVERAGE:
         times = [*usual, *(share * period for period in periods for share in PERIODS)]
         for time in _settable(choice, control, times):
@@ -82,13 +85,12 @@ def _of_kind(
         is_alone = control.kind.jerk is Jerk.NONE
         places = _with_middles(ringing) if is_alone else ringing
         shares = SHARES if is_alone else (1.0,)
-        # What rings faster than half a sample of the setpoint no shaper of the setpoint reaches.
-        highest = min(choice.most_frequency_hz, 0.5 / control.position_cycle)
+        low, high = _reached(choice, control)
         for (natural, own), share in product(places, shares):
             damping = min(max(own, choice.least_damping), choice.most_damping)
             frequency = share * natural
             for hz in frequencies_told_apart(kind, frequency_hz=frequency, damping_ratio=damping):
-                if choice.least_frequency_hz <= hz <= highest:
+                if low <= hz <= high:
                     yield SetpointFilter(kind=kind, frequency_hz=hz, damping_ratio=damping)
 
 
@@ -102,15 +104,22 @@ def _with_middles(ringing: list[tuple[float, float]]) -> list[tuple[float, float
     return [*ringing, *middles]
 
 
+def _reached(choice: FilterChoice, control: Control) -> tuple[float, float]:
+    """Frequencies of a shaper [Hz]: what rings faster than half a sample none of them reaches."""
+    highest = min(choice.most_frequency_hz, 0.5 / control.position_cycle)
+    return choice.least_frequency_hz, highest
+
+
 def _settable(choice: FilterChoice, control: Control, times: Iterable[float]) -> list[float]:
-    """The nearest lengths that can be typed in, rising."""
-    least, most = choice.times(control.position_cycle)
-    step = choice.unit(control.position_cycle)
+    """The nearest lengths that can be typed in, rising; an average of one cycle is none."""
+    cycle = control.position_cycle
+    least, most = choice.times(cycle)
+    least, step = max(least, LEAST_CYCLES * cycle), choice.unit(cycle)
     near = {round(min(max(time, least), most) / step) for time in times if least <= most}
     return [
         n * step
         for n in sorted(near)
-        if n > 0 and least <= n * step * (1.0 + 1e-9) and n * step <= most * (1.0 + 1e-9)
+        if least <= n * step * (1.0 + 1e-9) and n * step <= most * (1.0 + 1e-9)
     ]
 
 
@@ -131,7 +140,7 @@ def neighbours(control: Control, item: SetpointFilter | None, reach: float) -> l
             item.kind, frequency_hz=item.frequency_hz, damping_ratio=item.damping_ratio
         )
         beside = (told[0], told[-1]) if len(told) > 1 else wanted
-        low, high = choice.least_frequency_hz, choice.most_frequency_hz
+        low, high = _reached(choice, control)
         return [replace(item, frequency_hz=f) for f in beside if low <= f <= high]
     step = choice.unit(control.position_cycle)
 

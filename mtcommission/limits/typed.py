@@ -133,7 +133,7 @@ def _type_in(
     None where none end before ``latest`` [s].
     """
     (a, jerk_time), item = _reached(machine, found), found.setpoint_filter
-    grows, before = 1.0, (inf, inf)
+    grows, before, bound_by = 1.0, (inf, inf), ""
     first: tuple[SizeCheck, ...] = ()
 
     def typed_in(acceleration: float, ramp: float) -> MotionLimits:
@@ -148,9 +148,12 @@ def _type_in(
         if used <= 1.0:
             return typed, first
         now = (log(limits.acceleration), log(used))
-        if now[0] < before[0] < inf:  # behind a shaper less of a may leave hardly less
+        most = max(typed.sizes, key=lambda check: check.share(machine)).requirement.key
+        if most != bound_by:
+            grows = 1.0
+        elif now[0] < before[0]:  # behind a shaper less of a may leave hardly less
             grows = min(max((before[1] - now[1]) / (before[0] - now[0]), LEAST_GROWTH), 1.0)
-        before = now
+        before, bound_by = now, most
         less = min(limits.acceleration * used ** (-1.0 / grows) * JUST_LESS, a * JUST_LESS)
         slower = typed_in(less, jerk_time)
         # Where a ramp takes less than a cycle or two, a longer one costs hardly any time.

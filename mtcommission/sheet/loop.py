@@ -100,11 +100,6 @@ def loop_details(record: Record, words: Catalogue) -> Iterator[Block]:
             Quantity("rule-symbol-m-ff", "feedforward.mass", "kg", width=1.6),
         )
         yield table(words, "", values, [loop])
-        if found := loop.cross_check:
-            margins = {"gain": GAIN_MARGIN.show(found, words)}
-            margins["phase"] = PHASE_MARGIN.show(found, words)
-            poles = words.format.number(found.pole_difference, digits=1)
-            yield note(text("loop-cross-check", **margins, poles=poles))
         yield from _variants(record, words)
         yield from _corners(record, words)
         yield _delays(record, words)

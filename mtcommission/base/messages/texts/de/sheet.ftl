@@ -241,7 +241,6 @@ control = Steuerung
 
 loop-heading = Regelkreis: Reserven und Steifigkeit
 loop-details-heading = Regelkreis, Einzelheiten
-loop-cross-check = Gegenprobe: python-control findet aus denselben Blöcken { $gain } und { $phase } Reserve und jeden Pol auf { $poles } genau (z-Ebene).
 loop-why = Warum dieser Regelkreis:
 gain-margin-at = Amplitudenreserve { $margin }
 phase-margin-at = Phasenreserve { $margin }

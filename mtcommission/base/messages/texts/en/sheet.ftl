@@ -226,7 +226,6 @@ control = Control
 
 loop-heading = Control loop: margins and stiffness
 loop-details-heading = Control loop, details
-loop-cross-check = Cross-check: from the same blocks python-control finds { $gain } and { $phase } of margin, and every pole to { $poles } (z plane).
 loop-why = Why this loop:
 gain-margin-at = gain margin { $margin }
 phase-margin-at = phase margin { $margin }
