@@ -129,7 +129,8 @@ def _improvements(record: Record, words: Catalogue) -> Iterator[Block]:
     )
     said = text("improvements-note", loop="none" if record.machine.follows else "tuned")
     if rest:
-        said = f"{said} {text('improvements-none', changes=', '.join(rest))}"
+        listed = "yes" if gains else "no"
+        said = f"{said} {text('improvements-none', changes=', '.join(rest), listed=listed)}"
     if gains:
         yield table(words, "improvements-caption", columns, gains)
     yield note(said)

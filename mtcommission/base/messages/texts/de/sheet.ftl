@@ -456,7 +456,11 @@ improvements-note = Alles gerechnet: { $loop ->
     [none] Grenzwerte für jede gewählt.
    *[other] Kp neu eingestellt (Kv und Tn im alten Verhältnis), Grenzwerte für jede gewählt.
 } Änderungen addieren sich nicht.
-improvements-none = Weniger oder nichts bringen: { $changes }.
+# $listed: yes where a table says what more is gained by
+improvements-none = { $listed ->
+    [yes] Weniger oder nichts bringen
+   *[no] Weniger als 1 % oder nichts bringen
+}: { $changes }.
 improvement-saved = Gespart
 improvement-share = Zeitänderung
 plot-alt = Kurven über { $along }. { $panels }.

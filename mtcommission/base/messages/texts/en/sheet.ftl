@@ -406,7 +406,11 @@ improvements-note = Each computed: { $loop ->
     [none] limits chosen for each.
    *[other] loop tuned again (same ratios of Kv and Tn to Kp), limits chosen for each.
 } Changes do not add up.
-improvements-none = Less or nothing is gained by: { $changes }.
+# $listed: yes where a table says what more is gained by
+improvements-none = { $listed ->
+    [yes] Less or nothing is gained by
+   *[no] Less than 1 % or nothing is gained by
+}: { $changes }.
 improvement-saved = Saved
 improvement-share = Change of time
 plot-alt = Curves over { $along }. { $panels }.
