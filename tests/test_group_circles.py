@@ -12,7 +12,7 @@ import pytest
 
 from mtcommission.group.record import GroupRecord, read_pair
 from mtcommission.group.recorded import read_circular
-from mtcommission.group.verify import CircleVerification, verify_circles
+from mtcommission.group.verify import CircleVerification, foresee, verify_circles
 from mtcommission.verify.checks import Check, Verdict
 from tests.conftest import Run
 from tests.group_record import driven, mill, mill_record, printer_record, write_mill
@@ -91,6 +91,20 @@ def test_what_was_put_in_is_found(record: GroupRecord, tmp_path: Path) -> None:
     assert [one.direction for one in fitted] == [1, -1]
     assert [one.feed for one in fitted] == pytest.approx([0.1, 0.1], rel=1e-4)
     assert [one.radius for one in fitted] == pytest.approx([50e-3, 50e-3], rel=1e-9)
+
+
+def test_an_axis_that_waits_is_late_in_either_direction(
+    record: GroupRecord, tmp_path: Path
+) -> None:
+    """Closed form: delays apart by d make an oval of v d, turned over with the direction."""
+    first, second = read_pair(record)
+    late = first, replace(second, wait=second.wait + 0.3e-3)
+    plan = as_planned(record)
+    found = verified(record, tmp_path, plan, replace(plan, clockwise=True))
+    for circle in found.circles:
+        per = -2.0 * circle.fitted.direction / circle.fitted.feed
+        delay = per * (foresee(late, circle.fitted).ellipse - circle.ellipse).imag
+        assert delay == pytest.approx(0.3e-3, rel=0.02)
 
 
 def test_one_direction_does_not_tell_squareness_from_delay(
