@@ -55,8 +55,9 @@ STEPS = 4
 FALLING = (1.0, 0.9975, 0.995, 0.99, 0.985, 0.98, 0.97, 0.96, 0.94, 0.92, 0.9)
 """Shares of an acceleration that are looked at together (empirical)."""
 
-WORTHWHILE = 1.1
-"""What takes longer than the best so far by this factor is not followed further (empirical)."""
+WORTHWHILE, WITHOUT_RAMPS = 1.05, 1.1
+"""What takes longer than the best so far by this factor is not followed further: with ramps that
+may be chosen; without, where all hangs on the filter's frequency (empirical)."""
 
 NOTICEABLE = 0.9997
 """What is not shorter than the best so far by this factor is not worth a step (empirical)."""
@@ -131,7 +132,8 @@ def explore(
             jerk_times = list(dict.fromkeys(times))
     begins = explorer.first_look([(item, t) for item in items for t in jerk_times], latest)
     # One after the other: what was refined before decides what is worth it.
-    looks = (explorer.look_at([p], latest=WORTHWHILE * explorer.soonest()) for p in begins)
+    worthwhile = WORTHWHILE if is_free else WITHOUT_RAMPS
+    looks = (explorer.look_at([p], latest=worthwhile * explorer.soonest()) for p in begins)
     for begin in islice((found for found in looks if found is not None), refined):
         explorer.refine(begin, REACHES if near is None else NEAR_REACHES, is_free=is_free)
     return explorer.ranked()
