@@ -31,8 +31,8 @@ FULL = 2 / 3
 """Share of the height between header and footer that a page must use."""
 TOP, BOTTOM = 62, 842 - 57
 """What header and footer leave of A4 [pt]."""
-SMALLEST = 7.95
-"""Letters [pt]; 8 but for rounding."""
+SMALLEST, FULLEST = 7.95, 7.45
+"""Letters [pt], 8 but for rounding; in tables of a page that would not fit otherwise."""
 
 
 def fill(page) -> float:
@@ -55,6 +55,8 @@ def sizes(page) -> list[float]:
     [
         *((name, dict, ("en", "de")[i % 2]) for i, name in enumerate(shipped_names())),
         ("milling-manipulator", with_today, "de"),
+        ("ball-screw", with_today, "en"),
+        ("ball-screw", with_today, "de"),
         ("rack-gantry", not_met, "en"),
         ("honing-z", not_met, "de"),
     ],
@@ -70,7 +72,8 @@ def test_a_sheet_has_four_full_pages(name, change, language):
     assert not broken  # a number from its unit, or within it
     letters = [size for page in pages for size in sizes(page)]
     assert len(letters) > 200
-    assert min(letters) >= SMALLEST, sorted(letters)[:3]
+    is_full = (name, change) == ("ball-screw", with_today)
+    assert min(letters) >= (FULLEST if is_full else SMALLEST), sorted(letters)[:3]
 
 
 def test_four_parts_then_everything_else_and_no_heading_at_the_foot_of_a_page():

@@ -25,7 +25,7 @@ from mtcommission.sheet.document import (
 )
 from mtcommission.sheet.figures import PANEL, draw_svg
 
-HEIGHTS = (124.0, 100.0, 80.0, 64.0, 50.0, 39.0)
+HEIGHTS = (124.0, 100.0, 80.0, 64.0, 50.0, 39.0, 39.0)
 """Heights of a panel [pt], among which a page takes the largest that fits; sheet.typ has as many
 steps."""
 

@@ -256,7 +256,7 @@ def _warnings(record: Record, words: Catalogue) -> tuple[Paragraph, ...]:
 
 def _checks(record: Record, words: Catalogue) -> Table:
     name = Quantity("check", lambda one: capitalised(say_requirement(one.name, words)), width=1.8)
-    columns = (name, *check_columns(words), Quantity("where", "where", width=4.5))
+    columns = (name, *check_columns(words), Quantity("where", "where", width=5.6))
     checks = record.assessment.checks
     return table(words, "checks-caption", columns, checks, strong=lambda check: not check.met)
 
