@@ -70,7 +70,7 @@ def test_limits_are_judged_in_a_state_as_on_the_machine_that_is_always_in_it() -
 @pytest.mark.parametrize(
     ("more", "said"),
     [
-        (FAR + FAR, 'machine_states[2].name: got "far end" twice, states must have'),
+        (FAR + FAR, 'machine_states[2].name: got "far end" twice, names must differ'),
         (FAR.replace("screw", "skrew"), 'modes[1]: names none of the modes of [plant], must be "s'),
         (FAR.replace("moving_mass", "mass"), "machine_states[1].mass: unknown key"),
         (FAR.replace("105 Hz", "-5 Hz"), "machine_states[1].modes[1].frequency: got -5 Hz"),
