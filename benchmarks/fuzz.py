@@ -72,7 +72,7 @@ WARM = tuple(
         "cli.limits_view",
         "limits.judge",
         "wizard",
-        "options",
+        "commission.options",
         "export.write",
     )
 )

@@ -10,11 +10,12 @@ import os
 import re
 from dataclasses import replace
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 
 import pytest
 
-from benchmarks.fuzz import arguments_of, call, fault_of, in_place
+from benchmarks.fuzz import WARM, arguments_of, call, fault_of, in_place
 from benchmarks.mutations import dice_of, mutated, mutated_text, mutated_values, shipped_texts
 from mtcommission.commission.commission import commission
 from mtcommission.machine.profile.shipped import read_shipped
@@ -60,6 +61,12 @@ def test_machines_with_slips_of_units_are_computed_or_refused(
             tried += 1
             ending = in_place(partial(call, *arguments_of(command, path, dice)))
             assert not fault_of(command, ending, longest=LONGEST), (seed, ending)
+
+
+def test_the_fuzzer_finds_what_it_loads_before_its_cases() -> None:
+    """If it failed, no command could be fuzzed: that went unnoticed after a module had moved."""
+    for name in WARM:
+        assert import_module(name)
 
 
 def test_mutated_profiles_never_crash_the_wizard(tmp_path: Path) -> None:
