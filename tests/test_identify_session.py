@@ -114,7 +114,7 @@ def test_of_several_records_the_last_is_taken_and_the_others_have_names(tmp_path
     given = Given(input="torque", output=Signal.VELOCITY, sensor=Sensor.ENCODER)
     (other,) = gather([f"{path}@m_CurrentControllerResponse"], given).responses
     assert np.abs(other.values[0]) == pytest.approx(1.0, rel=1e-3)
-    with pytest.raises(InputError, match=r"there are: m_pPlant\[1\], m_pPlant\[2\]"):
+    with pytest.raises(InputError, match=r"there are m_pPlant\[1\], m_pPlant\[2\]"):
         gather([f"{path}@m_Else"], Given())
 
 

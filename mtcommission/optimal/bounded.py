@@ -84,8 +84,9 @@ def solve_bounded_time_optimal(
     Examples
     --------
     >>> from mtcommission.machine.profile.shipped import read_shipped
-    >>> from mtcommission.machine.readers import SignalValueary
     >>> from mtcommission.machine.plant.plant import build_plant
+    >>> from mtcommission.machine.readers import SignalValue
+    >>> from mtcommission.optimal.control import Boundary
     >>> machine = read_shipped("milling-manipulator").machine
     >>> optimum = solve_bounded_time_optimal(build_plant(machine), machine.moves[0],
     ...     force_limit=2e3, bounds=(SignalValue(name="v_phi", value=0.02),))
