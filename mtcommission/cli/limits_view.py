@@ -10,6 +10,7 @@ from operator import itemgetter
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.cli.terminal import Line, fold, heading, list_quantities, warn
+from mtcommission.controls.kind import Jerk
 from mtcommission.machine.checks import say_filter, say_jerk
 from mtcommission.machine.machine import Machine
 from mtcommission.record.limits import Alternative, LimitsAnswer, RecommendedEntry, TodayEntry
@@ -90,12 +91,13 @@ def _as_many(notes: Sequence[Line], room: int, more: str, spoken: Catalogue) -> 
 
 
 def _filter(machine: Machine, best: RecommendedEntry, spoken: Catalogue) -> str:
-    """The setpoint filter that belongs to the limits, and the jerk as a time where there is one."""
+    """The setpoint filter that belongs to the limits, and the ramp, the jerk time if so entered."""
     kind = "terminal-filter-with-limits" if best.setpoint_filter else "setpoint-filter"
     said = f"{spoken.text(kind)}: {say_filter(best.setpoint_filter, spoken)}"
     if not machine.control.kind.has_jerk_limit:
         return said
-    return f"{said}. {spoken.text('jerk-time')}: {show(best.jerk_time, spoken, 's')}"
+    ramp = "a/j" if machine.control.kind.jerk is Jerk.LIMIT else spoken.text("jerk-time")
+    return f"{said}. {ramp}: {show(best.jerk_time, spoken, 's')}"
 
 
 def _is_of_loop(note: Message | str) -> bool:

@@ -24,8 +24,8 @@ from mtcommission.group.contours import Pair, Trace, trace_circles
 from mtcommission.group.export import Part, type_in_group
 from mtcommission.group.group import UNBOUND
 from mtcommission.group.page import contour_panel, draw_ballbar, micrometres
-from mtcommission.group.record import GroupRecord
-from mtcommission.machine.checks import filter_rows, say_filter
+from mtcommission.group.record import AxisEntry, GroupRecord
+from mtcommission.machine.checks import filter_rows, name_filter, say_filter
 from mtcommission.record.machine import say_assumed
 from mtcommission.sheet.document import (
     HASH_DIGITS,
@@ -145,6 +145,9 @@ def first_page(record: GroupRecord, words: Catalogue) -> Iterator[Block]:
         why = words.text("entry-none", why=refused.faults[0].message)
         yield Paragraph(text=why, tone=Tone.WARNING)
     yield _entries(record, parts, words)
+    if filters := [_force_filters(axis, words) for axis in record.axes if axis.loop.force_filters]:
+        said = words.text("group-force-filters", filters="; ".join(filters))
+        yield Paragraph(text=said, tone=Tone.WARNING)
     yield note(" ".join(_bounds(record, words)))
     yield _checks(record, words)
     yield pairs(
@@ -191,6 +194,11 @@ def headline(record: GroupRecord, words: Catalogue) -> Headline:
 
 def _paths(record: GroupRecord) -> Sequence[tuple[str, str]]:
     return PATH[:1] if record.axes[0].loop.jerk == "none" else PATH
+
+
+def _force_filters(axis: AxisEntry, words: Catalogue) -> str:
+    named = ", ".join(words.say(name_filter(item)) for item in axis.loop.force_filters)
+    return f"{axis.name}: {named}"
 
 
 def _parameter(entry: Entry, words: Catalogue) -> str:

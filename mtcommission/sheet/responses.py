@@ -127,13 +127,12 @@ def _improvements(record: Record, words: Catalogue) -> Iterator[Block]:
         Quantity("improvement-share", share, "%"),
         Quantity("meets", "meets_requirements"),
     )
-    said = text("improvements-note", loop="none" if record.machine.follows else "tuned")
-    if rest:
-        listed = "yes" if gains else "no"
-        said = f"{said} {text('improvements-none', changes=', '.join(rest), listed=listed)}"
+    listed, loop = "yes" if gains else "no", "none" if record.machine.follows else "tuned"
+    said = [text("improvements-none", changes=", ".join(rest), listed=listed)] if rest else []
     if gains:
         yield table(words, "improvements-caption", columns, gains)
-    yield note(said)
+        said.insert(0, text("improvements-note", loop=loop))
+    yield note(" ".join(said))
 
 
 def motions(record: Record, words: Catalogue) -> Iterator[Block]:

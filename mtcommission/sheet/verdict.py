@@ -258,7 +258,8 @@ def _checks(record: Record, words: Catalogue) -> Table:
     name = Quantity("check", lambda one: capitalised(say_requirement(one.name, words)), width=1.8)
     columns = (name, *check_columns(words), Quantity("where", "where", width=5.6))
     checks = record.assessment.checks
-    return table(words, "checks-caption", columns, checks, strong=lambda check: not check.met)
+    caption = "checks-caption" if _serves_listed(record) else "checks-any-size-caption"
+    return table(words, caption, columns, checks, strong=lambda check: not check.met)
 
 
 def check_columns(words: Catalogue) -> tuple[Quantity, ...]:
@@ -505,6 +506,11 @@ def _kept_ends(error: KeptRange, words: Catalogue) -> dict[str, str]:
     return shown
 
 
+def _serves_listed(record: Record) -> bool:
+    """Whether the limits hold for the listed sizes alone."""
+    return any(item.smallest > 0.0 for item in record.limits.recommended.valid_for)
+
+
 def _sizes(record: Record, words: Catalogue) -> str:
     text, f, limits = words.text, words.format, record.limits
 
@@ -513,7 +519,7 @@ def _sizes(record: Record, words: Catalogue) -> str:
 
     moves, sizes = [item.move for item in record.moves], limits.recommended.valid_for
     own = ", ".join(shown(move, item.largest) for move, item in zip(moves, sizes, strict=True))
-    if any(item.smallest > 0.0 for item in sizes):
+    if _serves_listed(record):
         return text("sizes-listed", moves=own)
     said = [text("sizes-every", moves=own)]
     units = {check.name: check.unit for check in record.assessment.checks}

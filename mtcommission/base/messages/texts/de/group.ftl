@@ -155,6 +155,7 @@ group-axis-new = { $name } neu
 group-bound-of = { $name } wird begrenzt durch: { $by }.
 group-settles = Einschwingzeit (Bahn)
 group-rise-time = Hochlaufzeit
+group-force-filters = Kp hält seine Reserven nur mit diesen Filtern im Antrieb; sie zuerst eingeben, wie export group.json sie schreibt: { $filters }.
 group-feedforward = Vorsteuerung
 group-balancing = Sollwertverzögerung
 group-circle-caption = Kreisformtest, wie er bei der nominellen Maschine ausfällt, Radius { LENGTH($radius) }

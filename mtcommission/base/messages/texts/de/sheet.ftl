@@ -75,7 +75,7 @@ holds-caption = Wofür sie gelten
 basis-caption = Worauf das beruht (angenommen: weder angegeben noch gemessen)
 basis-data = Maschinendaten
 basis-assumed = Angenommen
-measured-modes = { $modes }; am { $date }, Intervalle im Anhang
+measured-modes = { $modes }; am { $date }, Intervalle in sheet.html
 measured-nothing = { $source }; an dieser Maschine wurde nichts gemessen
 assumed-more = { $names } und { $count } weitere
 payload-from-to = { $low } bis { $high }
@@ -118,6 +118,7 @@ reference = { $move }: zeitoptimaler Vergleichswert, exakte Ruhe: { $optimum }; 
    *[later] { $settling } ({ $share } mehr)
 }.
 checks-caption = Anforderungen
+checks-any-size-caption = Anforderungen, jede Größe der Bewegungen
 warning-count = { $others ->
     [yes] Weitere Warnungen
    *[no] Warnungen
@@ -427,7 +428,8 @@ neutral-name = { $setting ->
 }
 entry-caption = Einzugebende Werte (vor Gebrauch prüfen; { $jerk ->
     [none] Beschleunigung nie aufrunden
-   *[other] Ruck nie auf-, Ruckzeit nie abrunden
+    [time] Beschleunigung nie auf-, Ruckzeit nie abrunden
+   *[limit] Beschleunigung und Ruck nie aufrunden
 }; { $mark } muss so sein)
 parameter = Parameter
 # $why: a fault
@@ -459,7 +461,7 @@ improvements-note = Alles gerechnet: { $loop ->
 # $listed: yes where a table says what more is gained by
 improvements-none = { $listed ->
     [yes] Weniger oder nichts bringen
-   *[no] Weniger als 1 % oder nichts bringen
+   *[no] Mögliche Verbesserungen, je eine Änderung: weniger als 1 % oder nichts bringen
 }: { $changes }.
 improvement-saved = Gespart
 improvement-share = Zeitänderung

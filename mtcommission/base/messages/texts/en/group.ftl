@@ -155,6 +155,7 @@ group-axis-new = { $name } new
 group-bound-of = { $name } is bound by: { $by }.
 group-settles = Settling with path limits
 group-rise-time = Rise time
+group-force-filters = Kp keeps its margins only with these filters in the drive; enter them first, as export group.json writes them: { $filters }.
 group-feedforward = Feed-forward
 group-balancing = Delay of setpoint
 group-circle-caption = Circle test as it comes out in the nominal machine, radius { LENGTH($radius) }

@@ -75,7 +75,7 @@ holds-caption = For what they hold
 basis-caption = What this rests on (assumed: neither stated nor measured)
 basis-data = Machine data
 basis-assumed = Assumed
-measured-modes = { $modes }; on { $date }, intervals in the appendix
+measured-modes = { $modes }; on { $date }, intervals in sheet.html
 measured-nothing = { $source }; nothing was measured on this machine
 assumed-more = { $names } and { $count } more
 payload-from-to = { $low } to { $high }
@@ -112,6 +112,7 @@ reference = { $move }: time-optimal reference, exact rest: { $optimum }; recomme
    *[later] { $settling } ({ $share } more)
 }.
 checks-caption = Requirements
+checks-any-size-caption = Requirements, any size of the moves
 warning-count = { $others ->
     [yes] Further warnings
    *[no] Warnings
@@ -377,7 +378,8 @@ neutral-name = { $setting ->
 }
 entry-caption = Values to enter (verify before use; never round { $jerk ->
     [none] acceleration up
-   *[other] jerk up, jerk time down
+    [time] acceleration up, jerk time down
+   *[limit] acceleration or jerk up
 }; { $mark } must be so)
 parameter = Parameter
 # $why: a fault
@@ -409,7 +411,7 @@ improvements-note = Each computed: { $loop ->
 # $listed: yes where a table says what more is gained by
 improvements-none = { $listed ->
     [yes] Less or nothing is gained by
-   *[no] Less than 1 % or nothing is gained by
+   *[no] Potential improvements, one thing changed at a time: less than 1 % or nothing is gained by
 }: { $changes }.
 improvement-saved = Saved
 improvement-share = Change of time
