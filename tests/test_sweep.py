@@ -42,7 +42,7 @@ from mtcommission.sweep.plan import Axis, Plan, Quantity, read_axis, read_range,
 from mtcommission.sweep.request import check_plan, read_cases, read_plan
 from mtcommission.sweep.solve import Answer, Work, columns, solve_case
 from mtcommission.sweep.store import LOCK, NAME, hold_folder
-from mtcommission.sweep.table import print_sweep, read_table, summarise, write_table
+from mtcommission.sweep.table import SweepTable, print_sweep, read_table, summarise, write_table
 from tests.conftest import Run
 from tests.machines import paper_machine
 from tests.test_sheet_browser import CHROMIUM, TELL, browse
@@ -765,3 +765,13 @@ def test_what_is_no_scheduler_is_said_to_be_none(
             run_sweep(values_of("drive.max_force", "1kN"), folder=tmp_path, engine=engine)
         for one in held:
             one.close()
+
+
+def test_an_optimum_that_is_not_proved_is_named_with_its_gap() -> None:
+    """The command ended with 1 and did not say for which case."""
+    rows = [(0, 1e-12, True), (1, 9.2e-8, False), (2, 3e-7, False)]
+    frame = pl.DataFrame(rows, schema=["case", "relative_gap", "certified"], orient="row")
+    frame = frame.with_columns(outcome=pl.lit("done"), message=pl.lit(""))
+    table = SweepTable(columns=(), frame=frame, asked=Message("sweep-count-done", count=3))
+    _, said = summarise(table, Catalogue())
+    assert "case 1: at most 9.2e-08" in said

@@ -103,7 +103,16 @@ def summarise(table: SweepTable, words: Catalogue) -> list[str]:
         f"{_said(outcome)}, {words.text('sweep-first-in', case=case)}: {message}"
         for case, outcome, message in failed.sort("case")["case", "outcome", "message"].rows()
     ]
-    return [words.say(summary), *reasons]
+    return [words.say(summary), *_uncertified(table, words), *reasons]
+
+
+def _uncertified(table: SweepTable, words: Catalogue) -> list[str]:
+    """Which optimum is not proved, and how far it may be from the least time: the first of them."""
+    if table.flag != "certified":
+        return []
+    found = table.frame.filter((pl.col("outcome") == DONE) & ~pl.col("certified"))
+    rows = found.sort("case")["case", "relative_gap"].head(1).rows()
+    return [words.text("sweep-not-certified", case=case, gap=gap) for case, gap in rows]
 
 
 def _said(outcome: str) -> str:

@@ -86,6 +86,7 @@ sweep-summary = { PLAIN($count, digits: 12) } Fälle: { $ends }; { $kind ->
        *[requirements_met] alle Anforderungen erfüllt
     }: { PLAIN($met, digits: 12) }
 sweep-count-done = { PLAIN($count, digits: 12) } berechnet
+sweep-not-certified = nicht zertifiziert, zuerst in Fall { PLAIN($case, digits: 12) }: höchstens { PLAIN($gap, digits: 2) } der Zeit über der kürzestmöglichen (zertifiziert: 1e-9)
 sweep-first-in = zuerst in Fall { PLAIN($case, digits: 12) }
 
 sweep-page-title = Parameterstudie: { $name }

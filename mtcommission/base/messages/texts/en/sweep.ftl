@@ -88,6 +88,7 @@ sweep-summary = { PLAIN($count, digits: 12) } cases: { $ends }; { $kind ->
        *[requirements_met] requirements met
     }: { PLAIN($met, digits: 12) }
 sweep-count-done = { PLAIN($count, digits: 12) } done
+sweep-not-certified = not certified, first in case { PLAIN($case, digits: 12) }: at most { PLAIN($gap, digits: 2) } of its time above the least possible (certified: 1e-9)
 sweep-first-in = first in case { PLAIN($case, digits: 12) }
 
 sweep-page-title = Sweep: { $name }
