@@ -662,7 +662,7 @@ def test_page_runs_nothing_but_its_own_script(tmp_path: Path) -> None:
 def local_cluster(workers: int) -> Any:
     distributed = pytest.importorskip("distributed")
     return distributed.LocalCluster(
-        n_workers=workers, threads_per_worker=1, dashboard_address=None, silence_logs=50
+        n_workers=workers, threads_per_worker=1, dashboard_address=":0", silence_logs=50
     )
 
 
