@@ -12,6 +12,7 @@ import subprocess
 import sys
 import time
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +21,10 @@ import pytest
 from mtcommission import cli
 from mtcommission.__main__ import main as start
 from mtcommission.base.messages import LANGUAGES
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.cli.optimum_view import describe_optimum
+from mtcommission.limits.optima import find_time_optimum
+from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.profile.shipped import read_shipped
 from tests.conftest import Run
 
@@ -214,6 +219,17 @@ def test_a_grid_does_not_pretend_to_a_proof(run: Run) -> None:
     assert "nan" not in out
 
 
+def test_a_law_that_does_not_hold_is_not_called_a_proof() -> None:
+    """The arcs would look like the optimum, and be none."""
+    profile = read_shipped("milling-manipulator").machine
+    plant = build_plant(profile)
+    found = find_time_optimum(plant, profile.moves[0], force_limit=2e3, bounds=())
+    for holds in (True, False):
+        proof = replace(found.certificate, switching_law_holds=holds)
+        lines = describe_optimum(profile, plant, replace(found, certificate=proof), Catalogue())
+        assert any("DOES NOT HOLD" in line for line in lines) is not holds
+
+
 def test_options_report_all_faults_at_once(run: Run) -> None:
     code, _, err = run(
         "optimal", PAPER, "--kind", "fast", "--limit", "v_phy=1", "--distance", "-2 mm"
@@ -372,6 +388,25 @@ def test_a_console_of_another_code_page(tmp_path: Path) -> None:
     assert (done.returncode, done.stderr) == (0, b"")
     assert "Drehtisch Ω" in done.stdout.decode("utf-8")
     assert b"\x1b" not in done.stdout
+
+
+def test_a_terminal_of_no_columns_shows_what_a_pipe_shows(run: Run, monkeypatch) -> None:
+    """Serial consoles and some editors say 0: a word a line, or nothing, would be shown."""
+    piped = run("check", BELT)[1]
+    monkeypatch.setenv("TERM", "dumb")
+    monkeypatch.setattr("sys.stdout.isatty", lambda: True, raising=False)
+    monkeypatch.setattr("os.get_terminal_size", lambda *_: os.terminal_size((0, 0)))
+    for columns in ("", "0"):
+        monkeypatch.setenv("COLUMNS", columns)
+        assert run("check", BELT)[1] == piped
+
+
+def test_a_wrong_date_for_repeatable_output_is_named(run: Run, monkeypatch) -> None:
+    for date, code in (("yesterday", 2), ("9" * 20, 2), ("", 0)):
+        monkeypatch.setenv("SOURCE_DATE_EPOCH", date)
+        ended, _, err = run("check", BELT)
+        assert ended == code
+        assert err.startswith(f'SOURCE_DATE_EPOCH: got "{date}"') or not date
 
 
 def test_typed_bytes_of_another_encoding_are_refused_at_their_question(tmp_path: Path) -> None:

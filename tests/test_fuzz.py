@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.fuzz import WARM, arguments_of, call, fault_of, in_place
+from benchmarks.fuzz import WARM, Ending, arguments_of, call, fault_of, in_place
 from benchmarks.mutations import dice_of, mutated, mutated_text, mutated_values, shipped_texts
 from mtcommission.commission.commission import commission
 from mtcommission.machine.profile.shipped import read_shipped
@@ -67,6 +67,27 @@ def test_the_fuzzer_finds_what_it_loads_before_its_cases() -> None:
     """If it failed, no command could be fuzzed: that went unnoticed after a module had moved."""
     for name in WARM:
         assert import_module(name)
+
+
+@pytest.mark.parametrize(
+    ("command", "code", "said", "how", "fault"),
+    [
+        ("check", 2, "p.toml:3: plant.base_mass: got nan", {}, ""),
+        ("check", 0, "Mass nan kg", {}, "prints nan"),
+        ("check", 0, "Axis nan. Source of the data: x. Mass 3 kg", {}, ""),  # the user's own words
+        ("limits", -1, "ended by the system, status 24", {}, "exit code -1"),
+        ("limits", 3, "internal error, please report it", {}, "internal error"),
+        ("limits", 0, "met. RuntimeWarning: overflow", {}, "RuntimeWarning"),
+        ("limits", 2, "p.toml: got \x1b[31m", {}, repr("\x1b")),
+        ("run", 1, " ", {}, "silent"),
+        ("run", 0, "met", {"memory": 2000.0}, "2000 MB"),
+        ("run", 0, "met", {"processor": 61.0}, "61.0 s of CPU, more than 60.0 s"),
+    ],
+)
+def test_the_fuzzer_sees_what_is_bad(command, code, said, how, fault) -> None:
+    """What it does not see, ten thousand profiles do not find."""
+    ending = Ending(code=code, said=said, **{"processor": 1.0} | how)
+    assert fault_of(command, ending, longest=LONGEST) == fault
 
 
 def test_mutated_profiles_never_crash_the_wizard(tmp_path: Path) -> None:

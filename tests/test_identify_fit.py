@@ -153,6 +153,14 @@ def test_a_lag_is_told_from_a_delay_and_a_delay_alone_has_none() -> None:
             assert abs(gain.value - true) < 3 * gain.sigma
 
 
+@pytest.mark.parametrize(("drag", "is_told"), [(0.3, False), (60.0, True)])
+def test_friction_that_may_shift_a_mode_is_told_of_a_response_alone(drag, is_told):
+    """Without the record nobody sees whether the axis reversed: the doubt stays beside the mode."""
+    found = identify(Evidence(findings=(_measured(_axis(drag=drag)),))).part
+    kinds = {warning.kind for warning in found.warnings}
+    assert ("identify-friction-may-shift" in kinds) is is_told
+
+
 def test_a_mode_narrower_than_the_lines_lie_apart_is_told_without_its_damping() -> None:
     """Left out, its band would be cut off in silence; with its interval no profile is read."""
     rng = np.random.default_rng(41)

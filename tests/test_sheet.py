@@ -30,7 +30,7 @@ from mtcommission.machine.profile.shipped import read_shipped, shipped_names
 from mtcommission.record.machine import list_data
 from mtcommission.record.record import Record
 from mtcommission.record.shape import to_entry, to_plain
-from mtcommission.sheet.content import compose, print_html, print_pdf
+from mtcommission.sheet.content import compose, print_html, print_pdf, remark_on_print
 from mtcommission.sheet.document import (
     Form,
     Formula,
@@ -58,7 +58,9 @@ from .sheet_record import (
 
 ENGLISH, GERMAN = Catalogue("en"), Catalogue("de")
 
-compose, print_html, print_pdf = map(on_json, (compose, print_html, print_pdf))
+compose, print_html, print_pdf, remark_on_print = map(
+    on_json, (compose, print_html, print_pdf, remark_on_print)
+)
 
 RECORDS = {
     "example": example_record,
@@ -403,6 +405,14 @@ def test_the_font_has_every_character_that_the_sheet_uses():
         document = compose(make())
         used = "".join(block_text(block) for s in document.sections for block in s.blocks)
         assert not {c for c in used if ord(c) not in known and c != "\n"}
+
+
+def test_letters_that_the_font_lacks_are_named_for_the_print():
+    """They would come out as boxes, first seen at the machine."""
+    record = example_record()
+    assert remark_on_print(record) == ()
+    record["machine"]["name"] = "Drehmaschine 車床 Ω é, 車"
+    assert remark_on_print(record) == (Message("print-boxes", characters="車床"),)
 
 
 def test_a_refusal_of_the_typesetter_is_a_named_outcome(monkeypatch, tmp_path):
