@@ -14,7 +14,6 @@ from mtcommission.limits.judge import MoveResult, assess, evaluate_moves, simula
 from mtcommission.limits.requirements import (
     CONTOUR_DEVIATION,
     SETTLING_TIME,
-    Requirement,
     requirements_of,
 )
 from mtcommission.loop.tuning.tuned import TunedLoop
@@ -50,7 +49,7 @@ def simulated() -> tuple[TunedLoop, tuple[MoveResult, ...]]:
     return tuned, simulate_moves(demanding(), tuned, LIMITS)
 
 
-def test_every_requirement_has_a_check_with_its_limit() -> None:
+def test_every_requirement_has_a_check_with_its_limit():
     found = evaluate_moves(demanding(), *simulated()).assessment
     limits = {check.name: (check.limit, check.unit) for check in found.checks}
     assert limits == {
@@ -66,7 +65,7 @@ def test_every_requirement_has_a_check_with_its_limit() -> None:
 
 
 @pytest.mark.parametrize("requirement", requirements_of(demanding()), ids=lambda item: item.key)
-def test_each_missed_requirement_is_the_limiting_one(requirement: Requirement) -> None:
+def test_each_missed_requirement_is_the_limiting_one(requirement):
     machine, (tuned, moves) = demanding(), simulated()
     reached = evaluate_moves(machine, tuned, moves).assessment.check_of(requirement).value
     row = requirements_of(machine).index(requirement)
@@ -77,7 +76,7 @@ def test_each_missed_requirement_is_the_limiting_one(requirement: Requirement) -
     assert found.limiting_requirement == requirement
 
 
-def test_what_does_not_settle_misses_at_the_place_that_is_named() -> None:
+def test_what_does_not_settle_misses_at_the_place_that_is_named():
     machine, (tuned, moves) = demanding(), simulated()
     values = [move.values.copy() for move in moves]
     values[1][requirements_of(machine).index(SETTLING_TIME), 3] = inf
@@ -87,7 +86,7 @@ def test_what_does_not_settle_misses_at_the_place_that_is_named() -> None:
     assert said == "move 2, payload 100 kg, frequencies × 0.95"
 
 
-def test_a_contour_is_judged_at_its_feed_and_the_rest_at_the_velocity_of_the_move() -> None:
+def test_a_contour_is_judged_at_its_feed_and_the_rest_at_the_velocity_of_the_move():
     """A rapid move would be slowed down to keep a contour that nobody cuts at that velocity."""
     machine = paper_machine()
     needs = replace(machine.requirements, contour_deviation=1e-3, contour_feed=0.01)

@@ -18,10 +18,7 @@ from tests.machines import paper_machine
 
 
 def asked(
-    *,
-    band: float = 5e-6,
-    settling: float = 1.0,
-    peaks: tuple[SignalValue, ...] = (),
+    *, band: float = 5e-6, settling: float = 1.0, peaks: tuple[SignalValue, ...] = ()
 ) -> Machine:
     machine = paper_machine()
     needs = replace(
@@ -43,7 +40,7 @@ def is_met(machine: Machine, item: Attainable) -> bool:
     return evaluate(machine, tuned, item.limits).assessment.is_met
 
 
-def test_impossible_settling_time() -> None:
+def test_impossible_settling_time():
     """If it failed, the user would not learn what settling time, or what band, to ask for."""
     machine = asked(settling=0.087)
     found = attainable(machine)
@@ -56,7 +53,7 @@ def test_impossible_settling_time() -> None:
     assert is_met(asked(settling=0.087, band=1.0001 * wider.value), wider)
 
 
-def test_two_requirements_must_give_way_together() -> None:
+def test_two_requirements_must_give_way_together():
     """If it failed, relaxing one would be promised to help, or nothing be said at all."""
     bound = SignalValue(name="v_s", value=0.05)
     found = attainable(asked(settling=0.02, peaks=(bound,)))
@@ -72,7 +69,7 @@ def test_two_requirements_must_give_way_together() -> None:
     assert 0.1 < peak.value < 0.12
 
 
-def test_a_machining_mode_with_a_wider_band_settles_no_later_and_keeps_its_own() -> None:
+def test_a_machining_mode_with_a_wider_band_settles_no_later_and_keeps_its_own():
     """If it failed, roughing would be told to go more slowly than finishing, or out of its band."""
     machine = asked()
     modes = Modes(surface=2e-6, accuracy=5e-6, speed=20e-6)
@@ -94,7 +91,7 @@ def test_a_machining_mode_with_a_wider_band_settles_no_later_and_keeps_its_own()
         assert judged.settling_time == mode.settling_time
 
 
-def test_roughing_has_ramps_far_shorter_than_the_recommended_ones_where_these_serve() -> None:
+def test_roughing_has_ramps_far_shorter_than_the_recommended_ones_where_these_serve():
     """A search that looks too near told roughing to go as slowly as everything else."""
     found = recommend(read_shipped("ball-screw").machine)
     *_, speed = find_limits_by_mode(found.machine, found.loop.tuned, found.choice)

@@ -26,14 +26,14 @@ def solve(module: str, problem: str, cells: int) -> Answer:
 
 
 @pytest.mark.parametrize("name", [*MAIN, "F_max = 0.5 kN", "4 modes", "rest to rest"])
-def test_our_control_is_exact_by_a_judgement_that_shares_nothing_with_the_solver(name: str) -> None:
+def test_our_control_is_exact_by_a_judgement_that_shares_nothing_with_the_solver(name):
     worth = judge(find_problem(name), solve("ours", name, 0))
     assert worth.terminal_error < 1e-9
     assert worth.violation < 1e-8
     assert worth.residual < 1e-12
 
 
-def test_the_judgement_sees_a_control_that_is_a_little_wrong() -> None:
+def test_the_judgement_sees_a_control_that_is_a_little_wrong():
     ours, problem = solve("ours", "P1", 0), find_problem("P1")
     first, second, *rest = ours.arcs
     late = first.t_end + 1e-5
@@ -46,7 +46,7 @@ def test_the_judgement_sees_a_control_that_is_a_little_wrong() -> None:
     assert judge(problem, Answer(t_f=ours.t_f, arcs=(strong,))).violation == pytest.approx(0.1)
 
 
-def test_a_plain_grid_never_finds_sooner_limits_than_the_search() -> None:
+def test_a_plain_grid_never_finds_sooner_limits_than_the_search():
     machine = random_machine(2)
     plant, tuned = build_plant(machine), tune_loop(machine)
     brute = search_by_grid(machine, plant, tuned)

@@ -19,7 +19,6 @@ from mtcommission.identify.states import states_differ
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.profile.read import parse_profile
 from mtcommission.study.rules import compare_shapers
-from tests.conftest import Run
 
 Modes = tuple[tuple[float, float, float], ...]
 """Frequency [Hz], damping ratio and share at the tool of each."""
@@ -83,7 +82,7 @@ def write(folder: Path, name: str, modes: Modes, scatter: float = 1.0) -> Path:
 
 
 @pytest.mark.parametrize("states", list(OF_THE_SCRIPT), ids=len)
-def test_proposals_are_those_of_klippers_own_script(states: tuple[Modes, ...]) -> None:
+def test_proposals_are_those_of_klippers_own_script(states):
     """If it failed, the sheet would ascribe to Klipper what it would never choose."""
     chosen, *rows = OF_THE_SCRIPT[states]
     measured = [
@@ -100,7 +99,7 @@ def test_proposals_are_those_of_klippers_own_script(states: tuple[Modes, ...]) -
         assert 1e3 * one.max_acceleration == pytest.approx(float(acceleration), abs=1e-3)
 
 
-def test_lines_printed_with_one_decimal_are_evened_again(tmp_path: Path) -> None:
+def test_lines_printed_with_one_decimal_are_evened_again(tmp_path):
     """If it failed, every frequency of the fit would be off by up to 0.05 Hz.
 
     The script takes them as printed: what it would choose is judged on those.
@@ -126,12 +125,12 @@ def test_lines_printed_with_one_decimal_are_evened_again(tmp_path: Path) -> None
         (["resonances_xyz.csv"], [""]),
     ],
 )
-def test_axes_are_told_by_klippers_names(names: list[str], axes: list[str]) -> None:
+def test_axes_are_told_by_klippers_names(names, axes):
     """If it failed, a payload of Y would widen the spread of X."""
     assert list(by_axis(names)) == axes
 
 
-def test_three_payloads_of_a_slow_bed_are_one_mode_of_share_one(tmp_path: Path) -> None:
+def test_three_payloads_of_a_slow_bed_are_one_mode_of_share_one(tmp_path):
     """If it failed, the bed would have three modes at once, each three times too large: their
     peaks hide what lies beside them, so only the sum of the shares tells how large they are."""
     dice, files, order = np.random.default_rng(5), [], (24.0, 36.0, 30.0)
@@ -150,7 +149,7 @@ def test_three_payloads_of_a_slow_bed_are_one_mode_of_share_one(tmp_path: Path) 
     assert each == pytest.approx(order, rel=0.02)
 
 
-def test_two_axes_become_two_profiles(tmp_path: Path, run: Run) -> None:
+def test_two_axes_become_two_profiles(tmp_path, run):
     """If it failed, a printer's two files would need two sessions, or be mixed into one axis."""
     files = [
         str(write(tmp_path, f"resonances_{axis}_20261123_1.csv", modes))
@@ -172,7 +171,7 @@ def test_two_axes_become_two_profiles(tmp_path: Path, run: Run) -> None:
     assert "X, Y" in said
 
 
-def test_klippers_choice_is_judged_beside_ours(tmp_path: Path) -> None:
+def test_klippers_choice_is_judged_beside_ours(tmp_path):
     """If it failed, a user could not see what the script's choice does on the measured axis."""
     file = write(tmp_path, "resonances_x_1.csv", ONE)
     found = identify(gather([str(file)], Given()), created="2026-11-23")

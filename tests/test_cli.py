@@ -26,14 +26,13 @@ from mtcommission.cli.optimum_view import describe_optimum
 from mtcommission.limits.optima import find_time_optimum
 from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.profile.shipped import read_shipped
-from tests.conftest import Run
 
 PROFILES = Path(__file__).parent.parent / "profiles"
 PAPER = PROFILES / "milling-manipulator.toml"
 BELT = str(PROFILES / "printer-belt.toml")
 
 
-def test_help_answers_without_the_heavy_libraries() -> None:
+def test_help_answers_without_the_heavy_libraries():
     """Users would wait seconds for --help if a solver were imported on top."""
     code = (
         "import sys\nfrom mtcommission import cli\nsys.argv=['mtcommission','--help']\n"
@@ -55,9 +54,7 @@ def test_help_answers_without_the_heavy_libraries() -> None:
     ],
     ids=" ".join,
 )
-def test_a_command_loads_what_it_computes_with(
-    command: tuple[str, ...], left_out: tuple[str, ...], tmp_path: Path
-) -> None:
+def test_a_command_loads_what_it_computes_with(command, left_out, tmp_path):
     """Who tries ten variants an hour would wait for libraries longer than for the answer."""
     code = (
         "import sys\nfrom mtcommission import cli\n"
@@ -84,7 +81,7 @@ def test_a_command_loads_what_it_computes_with(
     ["", "wizard", "identify", "check", "run", "limits", "optimal", "simulate", "export", "sheet",
      "verify", "sweep", "validate", "profiles", "profiles list", "profiles show", "profiles copy"],
 )  # fmt: skip
-def test_every_help_reads_whole_on_80_columns(run: Run, command: str, language: str) -> None:
+def test_every_help_reads_whole_on_80_columns(run, command, language):
     """A summary that is cut, a line that wraps, or one in English hides what a command does."""
     code, out, err = run("--language", language, *command.split(), "--help")
     assert (code, err) == (0, "")
@@ -93,9 +90,7 @@ def test_every_help_reads_whole_on_80_columns(run: Run, command: str, language: 
     assert bool(english & set(out.replace("\n", " ").split(" "))) == (language == "en")
 
 
-def test_help_speaks_the_language_of_the_environment(
-    run: Run, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_help_speaks_the_language_of_the_environment(run, monkeypatch):
     """Who works in German would have to say so at every call."""
     monkeypatch.delenv("LC_ALL", raising=False)
     monkeypatch.setenv("LANG", "de_DE.UTF-8")
@@ -116,9 +111,7 @@ def test_help_speaks_the_language_of_the_environment(
         (["run", "--language", "de"], "PROFILE fehlt; siehe mtcommission run --help"),
     ],
 )
-def test_a_call_that_does_not_fit_is_answered_in_one_line(
-    run: Run, arguments: list[str], said: str
-) -> None:
+def test_a_call_that_does_not_fit_is_answered_in_one_line(run, arguments, said):
     """The one who mistypes would read English about a framework."""
     code, out, err = run(*arguments)
     assert (code, out) == (2, "")
@@ -126,7 +119,7 @@ def test_a_call_that_does_not_fit_is_answered_in_one_line(
     assert err.count("\n") == 1
 
 
-def test_a_third_language_is_a_folder_of_texts(tmp_path: Path) -> None:
+def test_a_third_language_is_a_folder_of_texts(tmp_path):
     """A distributor would have to change the program to speak to his customers."""
     package = Path(cli.__file__).parent.parent
     copy = tmp_path / "mtcommission"
@@ -144,7 +137,7 @@ def test_a_third_language_is_a_folder_of_texts(tmp_path: Path) -> None:
         file.write_text(text.replace(german, french), encoding="utf-8")
     environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
 
-    def call(*arguments: str) -> str:
+    def call(*arguments):
         command = [sys.executable, "-m", "mtcommission", *arguments, "--language", "fr"]
         done = subprocess.run(
             command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=True
@@ -155,7 +148,7 @@ def test_a_third_language_is_a_folder_of_texts(tmp_path: Path) -> None:
     assert call("run", "--help").startswith("Utilisation: ")
 
 
-def test_optimal_json_is_exact_when_somebody_else_integrates_it(run: Run) -> None:
+def test_optimal_json_is_exact_when_somebody_else_integrates_it(run):
     """The printed arcs must end at 0.1 m/s and at rest to 1e-9 of each state's peak."""
     from scipy.linalg import expm
 
@@ -187,7 +180,7 @@ def test_optimal_json_is_exact_when_somebody_else_integrates_it(run: Run) -> Non
     assert found["certificate"]["terminal_jacobian_rank"] == 6
 
 
-def test_too_short_final_time_is_refused_with_the_least_one(run: Run) -> None:
+def test_too_short_final_time_is_refused_with_the_least_one(run):
     """A time that is too short by a nanosecond does not look the same as the least one, and who
     types that in is not refused once more."""
     asked = ("optimal", PAPER, "--kind", "damping", "--t-f")
@@ -199,7 +192,7 @@ def test_too_short_final_time_is_refused_with_the_least_one(run: Run) -> None:
     assert "t_f is that of --t-f." in out
 
 
-def test_a_damping_optimal_control_tells_where_its_numbers_are_from(run: Run) -> None:
+def test_a_damping_optimal_control_tells_where_its_numbers_are_from(run):
     """A weight without its unit, or a time nobody asked for, cannot be checked."""
     asked = ("optimal", PROFILES / "rotary-table.toml", "--kind", "damping")
     said = [" ".join(run(*asked, *more)[1].split()) for more in ((), ("--t-f", "330ms"))]
@@ -210,7 +203,7 @@ def test_a_damping_optimal_control_tells_where_its_numbers_are_from(run: Run) ->
     assert "(N m)^2/(N m s^2)^2" in said[1]
 
 
-def test_a_grid_does_not_pretend_to_a_proof(run: Run) -> None:
+def test_a_grid_does_not_pretend_to_a_proof(run):
     code, out, _ = run(
         "optimal", PAPER, "--kind", "time", "--method", "transcription", "--intervals", "50"
     )
@@ -219,7 +212,7 @@ def test_a_grid_does_not_pretend_to_a_proof(run: Run) -> None:
     assert "nan" not in out
 
 
-def test_a_law_that_does_not_hold_is_not_called_a_proof() -> None:
+def test_a_law_that_does_not_hold_is_not_called_a_proof():
     """The arcs would look like the optimum, and be none."""
     profile = read_shipped("milling-manipulator").machine
     plant = build_plant(profile)
@@ -230,7 +223,7 @@ def test_a_law_that_does_not_hold_is_not_called_a_proof() -> None:
         assert any("DOES NOT HOLD" in line for line in lines) is not holds
 
 
-def test_options_report_all_faults_at_once(run: Run) -> None:
+def test_options_report_all_faults_at_once(run):
     code, _, err = run(
         "optimal", PAPER, "--kind", "fast", "--limit", "v_phy=1", "--distance", "-2 mm"
     )
@@ -250,16 +243,10 @@ def test_options_report_all_faults_at_once(run: Run) -> None:
         (["sweep", PAPER, "-o", "{file}", "--f-max", "1kN:2kN:3"], "is a file"),
     ],
 )
-def test_what_cannot_work_is_refused_before_computing(
-    run: Run,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    arguments: list[str | Path],
-    words: str,
-) -> None:
+def test_what_cannot_work_is_refused_before_computing(run, tmp_path, monkeypatch, arguments, words):
     """Else the user waits for a computation that is thrown away."""
 
-    def compute(*_: object) -> None:
+    def compute(*_):
         raise AssertionError("computed before refusing")
 
     monkeypatch.setattr("mtcommission.machine.plant.plant.build_plant", compute)
@@ -272,7 +259,7 @@ def test_what_cannot_work_is_refused_before_computing(
     assert file.read_text() == "mine"
 
 
-def test_a_bad_profile_leaves_nothing_behind(run: Run, tmp_path: Path) -> None:
+def test_a_bad_profile_leaves_nothing_behind(run, tmp_path):
     """A folder with half a result would be taken for one."""
     profile = tmp_path / "bad.toml"
     profile.write_text('schema = 1\n[plant]\nbase_mass = "-450 kg"\n', encoding="utf-8")
@@ -282,9 +269,7 @@ def test_a_bad_profile_leaves_nothing_behind(run: Run, tmp_path: Path) -> None:
     assert not (tmp_path / "out").exists()
 
 
-def test_run_warns_of_what_cannot_be_meant_however_full_the_screen_is(
-    run: Run, tmp_path: Path
-) -> None:
+def test_run_warns_of_what_cannot_be_meant_however_full_the_screen_is(run, tmp_path):
     """Who typed mm for um would have read that all requirements are met, and nothing else."""
     profile = tmp_path / "wide.toml"
     text = Path(BELT).read_text("utf-8")
@@ -302,8 +287,8 @@ def test_run_warns_of_what_cannot_be_meant_however_full_the_screen_is(
     ],
 )
 def test_every_command_says_the_same_of_a_file_that_it_cannot_use(
-    language: str, missing: str, no_record: str, run: Run, tmp_path: Path
-) -> None:
+    language, missing, no_record, run, tmp_path
+):
     """One that read by itself told it in the words of the operating system."""
     none = tmp_path / "none"
     for command in (("run",), ("limits",), ("export", "--control", "fanuc"), ("sheet",)):
@@ -316,7 +301,7 @@ def test_every_command_says_the_same_of_a_file_that_it_cannot_use(
             assert no_record in err
 
 
-def test_a_terminal_in_german_has_no_english_words_and_breaks_none(run: Run) -> None:
+def test_a_terminal_in_german_has_no_english_words_and_breaks_none(run):
     """Names that JSON keeps in English must not be shown to a German reader."""
     german = ("--language", "de")
     bound = ("--limit", "v_phi=0.005")
@@ -334,7 +319,7 @@ def test_a_terminal_in_german_has_no_english_words_and_breaks_none(run: Run) -> 
     assert run("export", "--control", "?", *german)[1].count("allgemeine Kaskade") == 1
 
 
-def test_optimal_says_which_limits_act(run: Run) -> None:
+def test_optimal_says_which_limits_act(run):
     """A limit that changes nothing must not look like one that was not read; and the law, which
     holds for the optimum, is known to one cell where a mesh shows it."""
     limits = ("--limit", "v_phi=0.005", "--limit", "v_s=0.2")
@@ -346,7 +331,7 @@ def test_optimal_says_which_limits_act(run: Run) -> None:
     assert "DOES NOT HOLD" not in said
 
 
-def test_a_damping_optimal_control_names_its_limits(run: Run) -> None:
+def test_a_damping_optimal_control_names_its_limits(run):
     """Cost and motion hold under these limits only: terminal and JSON must say so."""
     grid = ("--method", "transcription", "--intervals", "100", "--t-f", "60ms")
     asked = ("optimal", PAPER, "--kind", "damping", *grid, "--limit", "v_phi=0.005")
@@ -356,7 +341,7 @@ def test_a_damping_optimal_control_names_its_limits(run: Run) -> None:
     assert json.loads(run(*asked, "--json", "-")[1])["limits"] == {"v_phi": 0.005}
 
 
-def test_simulate_and_limits_agree_with_each_other(run: Run, tmp_path: Path) -> None:
+def test_simulate_and_limits_agree_with_each_other(run, tmp_path):
     """The limits that are recommended must do in `simulate` what `limits` says."""
     profile = tmp_path / "plain.toml"
     text = PAPER.read_text("utf-8")
@@ -371,7 +356,7 @@ def test_simulate_and_limits_agree_with_each_other(run: Run, tmp_path: Path) -> 
     assert found["assessment"]["met"]
 
 
-def test_a_console_of_another_code_page(tmp_path: Path) -> None:
+def test_a_console_of_another_code_page(tmp_path):
     """A Windows console has no Greek letters: the text comes in UTF-8, and whole."""
     named = tmp_path / "Fräse ü.toml"
     text = (
@@ -390,7 +375,7 @@ def test_a_console_of_another_code_page(tmp_path: Path) -> None:
     assert b"\x1b" not in done.stdout
 
 
-def test_a_terminal_of_no_columns_shows_what_a_pipe_shows(run: Run, monkeypatch) -> None:
+def test_a_terminal_of_no_columns_shows_what_a_pipe_shows(run, monkeypatch):
     """Serial consoles and some editors say 0: a word a line, or nothing, would be shown."""
     piped = run("check", BELT)[1]
     monkeypatch.setenv("TERM", "dumb")
@@ -401,7 +386,7 @@ def test_a_terminal_of_no_columns_shows_what_a_pipe_shows(run: Run, monkeypatch)
         assert run("check", BELT)[1] == piped
 
 
-def test_a_wrong_date_for_repeatable_output_is_named(run: Run, monkeypatch) -> None:
+def test_a_wrong_date_for_repeatable_output_is_named(run, monkeypatch):
     for date, code in (("yesterday", 2), ("9" * 20, 2), ("", 0)):
         monkeypatch.setenv("SOURCE_DATE_EPOCH", date)
         ended, _, err = run("check", BELT)
@@ -409,7 +394,7 @@ def test_a_wrong_date_for_repeatable_output_is_named(run: Run, monkeypatch) -> N
         assert err.startswith(f'SOURCE_DATE_EPOCH: got "{date}"') or not date
 
 
-def test_typed_bytes_of_another_encoding_are_refused_at_their_question(tmp_path: Path) -> None:
+def test_typed_bytes_of_another_encoding_are_refused_at_their_question(tmp_path):
     """A piped file in Latin-1 once ended in an internal error, all answers lost."""
     done = subprocess.run(
         [sys.executable, "-m", "mtcommission", "wizard", "-o", tmp_path / "p.toml"],
@@ -424,7 +409,7 @@ def test_typed_bytes_of_another_encoding_are_refused_at_their_question(tmp_path:
     assert (kept["machine.name"], kept["machine.axis"]) == ("Lathe", "Z")
 
 
-def test_errors_of_a_rotary_axis_speak_its_units(tmp_path: Path, run: Run) -> None:
+def test_errors_of_a_rotary_axis_speak_its_units(tmp_path, run):
     """Gains in N s/m would be typed into the drive of a rotary table."""
     text = read_shipped("rotary-table").text
     gains = 'position_gain = "900 1/s"\nvelocity_gain = "60000 N m s/rad"\n'
@@ -436,7 +421,7 @@ def test_errors_of_a_rotary_axis_speak_its_units(tmp_path: Path, run: Run) -> No
     assert "N s/m" not in errors
 
 
-def test_closed_streams_and_odd_texts_end_with_a_message(run: Run, tmp_path: Path) -> None:
+def test_closed_streams_and_odd_texts_end_with_a_message(run, tmp_path):
     """Closed, sys.stderr is None; a quoted key once steered the terminal."""
     command = [sys.executable, "-m", "mtcommission", "check", "missing.toml"]
     closed = subprocess.run(
@@ -454,7 +439,7 @@ def test_closed_streams_and_odd_texts_end_with_a_message(run: Run, tmp_path: Pat
     assert "is JSON, as the record of a run is" in run("check", odd)[2]
 
 
-def test_a_control_without_jerk_limit_is_simulated_without_one(run: Run) -> None:
+def test_a_control_without_jerk_limit_is_simulated_without_one(run):
     """Its engineer has no jerk to enter; whoever has one must say which. What ran is said."""
     tried = ("--acceleration", "50", "--filter", "none", "--move", "2", "--size", "20mm/s")
     code, out, _ = run("simulate", BELT, *tried)
@@ -466,7 +451,7 @@ def test_a_control_without_jerk_limit_is_simulated_without_one(run: Run) -> None
     assert "--jerk" in error
 
 
-def test_an_own_stream_that_leads_into_a_file_keeps_what_is_in_it(tmp_path: Path) -> None:
+def test_an_own_stream_that_leads_into_a_file_keeps_what_is_in_it(tmp_path):
     """``-o /dev/stdout >> log`` replaced the log."""
     log = tmp_path / "log"
     log.write_text("kept\n", "utf-8")
@@ -478,9 +463,7 @@ def test_an_own_stream_that_leads_into_a_file_keeps_what_is_in_it(tmp_path: Path
     assert "Time-optimal control" in text  # the table, behind it
 
 
-def test_a_terminal_shows_the_limits_before_what_takes_longer(
-    run: Run, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_terminal_shows_the_limits_before_what_takes_longer(run, monkeypatch):
     """Else one waits for rules and studies before one sees what was asked for."""
     _, piped, silent = run("limits", BELT)
     monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
@@ -490,11 +473,9 @@ def test_a_terminal_shows_the_limits_before_what_takes_longer(
     assert "All requirements met; a = 20" not in silent
 
 
-def test_ctrl_c_while_the_program_loads_is_no_traceback(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_ctrl_c_while_the_program_loads_is_no_traceback(monkeypatch, capsys):
     class Interrupted:
-        def find_spec(self, name: str, *_: object) -> None:
+        def find_spec(self, name, *_):
             if name == "mtcommission.cli":
                 raise KeyboardInterrupt
 
@@ -510,15 +491,15 @@ def test_ctrl_c_while_the_program_loads_is_no_traceback(
 
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
 def test_a_library_that_loads_is_waited_for_before_the_program_stops(
-    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
-) -> None:
+    run, tmp_path, monkeypatch, name
+):
     """Interrupted half-way it took Ctrl-C for a fault of its own, and the command went on."""
     code = f"import os, signal\nos.kill(os.getpid(), signal.{name})\nloaded = True\n"
     (tmp_path / f"fragile_{name}.py").write_text(code)
     monkeypatch.syspath_prepend(tmp_path)
     found = []
 
-    def load_and_wait(*_: object) -> None:
+    def load_and_wait(*_):
         found.append(importlib.import_module(f"fragile_{name}"))
         time.sleep(30.0)
 

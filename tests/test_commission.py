@@ -6,7 +6,6 @@ import json
 from copy import deepcopy
 from dataclasses import replace
 from math import ceil
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -24,24 +23,22 @@ from mtcommission.record.limits import LimitsAnswer
 from mtcommission.record.record import Record, load_record
 from mtcommission.record.shape import to_entry, to_plain
 from tests.independent_loop import Run, judge, profile_of_record, simulate_record
-from tests.sheet_record import Json, run_of
+from tests.sheet_record import run_of
 
 
 @pytest.fixture(scope="module", params=shipped_names())
-def ran(request: pytest.FixtureRequest) -> tuple[Json, Json]:
+def ran(request):
     """The record of an example machine, and what ``limits`` prints of it."""
     return run_of(read_shipped(request.param).text)
 
 
 @pytest.fixture(scope="module")
-def record(ran: tuple[Json, Json]) -> Record:
+def record(ran):
     record: Record = to_entry(ran[0], Record)
     return record
 
 
-def test_every_shipped_profile_meets_its_requirements_after_certified_optima(
-    record: Record,
-) -> None:
+def test_every_shipped_profile_meets_its_requirements_after_certified_optima(record):
     """A shipped example that fails would teach users that a red verdict is normal.
 
     Exact rest in the least time: no setpoint through a loop can be ahead of it by much.
@@ -52,9 +49,7 @@ def test_every_shipped_profile_meets_its_requirements_after_certified_optima(
         assert optima.time.t_f < move.response.settling_time
 
 
-def test_record_alone_gives_a_second_program_the_loop(
-    ran: tuple[Json, Json], record: Record
-) -> None:
+def test_record_alone_gives_a_second_program_the_loop(ran, record):
     """What a loop does must follow from its record: gains, cycles, delays, filters, observer."""
     if record.machine.follows:
         pytest.skip("no loop: tests/test_position_source.py integrates the equation itself")
@@ -71,7 +66,7 @@ def test_record_alone_gives_a_second_program_the_loop(
         assert motion.asked == pytest.approx(claimed["max_force"], rel=1e-5)
 
 
-def test_record_simulated_again_by_an_outsider(ran: tuple[Json, Json]) -> None:
+def test_record_simulated_again_by_an_outsider(ran):
     """Closed-loop matrices, segments and the filter alone must give what the record claims."""
     record = ran[0]
     loop = record["loop"]["closed_loop"]
@@ -101,14 +96,14 @@ def test_record_simulated_again_by_an_outsider(ran: tuple[Json, Json]) -> None:
         assert asked == pytest.approx(claimed["max_force"], rel=1e-2)
 
 
-def test_record_survives_its_file(ran: tuple[Json, Json], tmp_path: Path) -> None:
+def test_record_survives_its_file(ran, tmp_path):
     path = tmp_path / "record.json"
     path.write_text(json.dumps(ran[0]), "utf-8")
     assert to_plain(load_record(path)) == ran[0]
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
-def test_the_terminals_answer_fits_one_screen(ran: tuple[Json, Json], language: str) -> None:
+def test_the_terminals_answer_fits_one_screen(ran, language):
     """If it failed, what was asked for would have scrolled away; 80 x 24, prompt included."""
     machine = parse_profile(ran[0]["profile"]["text"], where="record.json")
     words = Catalogue(language, rotary=machine.motion is Motion.ROTARY)
@@ -141,7 +136,7 @@ def test_the_terminals_answer_fits_one_screen(ran: tuple[Json, Json], language: 
             assert told in " ".join(shown.split("\n"))  # it may wrap
 
 
-def test_recommendation_beats_every_rule_that_keeps_the_reserve(record: Record) -> None:
+def test_recommendation_beats_every_rule_that_keeps_the_reserve(record):
     """If a rule of thumb met all that is wanted and were faster, nobody should use the tool."""
     best = record.limits.recommended.settling_time
     assert best is not None

@@ -31,7 +31,7 @@ EVERYWHERE = {"numpy", "scipy"}
 
 
 @pytest.fixture
-def copy(tmp_path: Path) -> Path:
+def copy(tmp_path):
     """The project again, where imports may be put in."""
     kept = shutil.ignore_patterns("__pycache__", "*.ftl", "profiles")
     shutil.copytree(SOURCE, tmp_path / "mtcommission", ignore=kept)
@@ -61,7 +61,7 @@ def module_of(project: Path, path: Path) -> str:
     return ".".join(path.relative_to(project).with_suffix("").parts)
 
 
-def test_every_library_is_forbidden_but_at_its_door() -> None:
+def test_every_library_is_forbidden_but_at_its_door():
     """A dependency that no contract names could be used anywhere."""
     extra: dict[str, Any] = SETTINGS["project"]["optional-dependencies"]
     wanted = [*SETTINGS["project"]["dependencies"], *extra["cluster"]]
@@ -69,7 +69,7 @@ def test_every_library_is_forbidden_but_at_its_door() -> None:
     assert names - EVERYWHERE <= {module.lower() for module in DOORS["forbidden_modules"]}
 
 
-def test_what_is_not_allowed_is_seen_in_every_package(copy: Path) -> None:
+def test_what_is_not_allowed_is_seen_in_every_package(copy):
     """A library behind another door, a circle, and an arrow from the lowest package to the top."""
     put: set[tuple[str, str]] = set()
     names = set()

@@ -33,7 +33,7 @@ LISTED = (
 
 
 @pytest.mark.parametrize("kind", PRODUCTS, ids=lambda kind: kind.key)
-def test_a_control_has_what_the_page_shows_with_source_or_mark(kind: ControlKind) -> None:
+def test_a_control_has_what_the_page_shows_with_source_or_mark(kind):
     """A feature that is used needs a parameter to set, or a remark that says why there is none."""
     name = Catalogue().say(Message(f"control-{kind.key}"))
     found = {what.replace(" ", "_"): rest for what, *rest in _read(f"{kind.key}: {name}")}
@@ -85,7 +85,7 @@ def _word(item: object) -> str:
 
 
 @pytest.mark.parametrize("key", KINDS)
-def test_every_kind_of_control_can_be_named_in_a_profile_and_exported(key: str) -> None:
+def test_every_kind_of_control_can_be_named_in_a_profile_and_exported(key):
     """Its own defaults fit together: cycles, position loop, feed-forward, delay."""
     control = parse_profile(f'{MANIPULATOR}[control]\nkind = "{key}"\n', where="p.toml").control
     assert control.kind is KINDS[key]

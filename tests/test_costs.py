@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import partial
 from math import pi
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -44,14 +43,14 @@ def gantry() -> Machine:
     return read_shipped("modal-two-modes").machine
 
 
-def test_a_tiny_force_on_an_undamped_mode_is_refused() -> None:
+def test_a_tiny_force_on_an_undamped_mode_is_refused():
     """It once asked for 481 GiB."""
     with pytest.raises(ComputationError) as end:
         solve_time_optimal(undamped(), STEP, force_limit=1e-4)
     assert end.value.outcome is Outcome.MOVE_TOO_LONG
 
 
-def test_a_stroke_of_thirty_metres_has_its_optimum() -> None:
+def test_a_stroke_of_thirty_metres_has_its_optimum():
     """Cells over all of it took 80 s and 2.8 GB."""
     machine = gantry()
     move = Positioning(distance=30.0, max_velocity=0.5)
@@ -64,7 +63,7 @@ def test_a_stroke_of_thirty_metres_has_its_optimum() -> None:
     assert end.value.outcome is Outcome.MOVE_TOO_LONG
 
 
-def test_a_motion_followed_in_blocks_is_the_one_followed_at_once() -> None:
+def test_a_motion_followed_in_blocks_is_the_one_followed_at_once():
     """The other way: each arc's end by one exponential."""
     plant = build_plant(gantry())
     found = solve_time_optimal(plant, STEP, force_limit=200.0)
@@ -81,7 +80,7 @@ def test_a_motion_followed_in_blocks_is_the_one_followed_at_once() -> None:
 @pytest.mark.parametrize(
     "move", [STEP, *(Positioning(distance=size, max_velocity=1.0) for size in (0.4, 0.01))]
 )
-def test_least_time_is_that_of_a_setpoint_with_endless_jerk(move: VelocityStep) -> None:
+def test_least_time_is_that_of_a_setpoint_with_endless_jerk(move):
     """If it failed, moves would be refused or begun by a wrong duration."""
     planned = plan_setpoint(move, MotionLimits(acceleration=2.0, jerk=2e6))
     assert least_motion_time(move, 2.0) == pytest.approx(planned.duration, rel=1e-4)
@@ -93,7 +92,7 @@ def with_force(force: float) -> Machine:
 
 
 @pytest.mark.parametrize("force", [0.5, 1e-300])
-def test_too_small_a_force_is_refused_at_once_with_reason_and_remedy(force: float) -> None:
+def test_too_small_a_force_is_refused_at_once_with_reason_and_remedy(force):
     """If it failed, the user would wait for hours instead of checking the unit of the force."""
     with np.errstate(all="raise"), pytest.raises(ComputationError) as caught:
         recommend(with_force(force))
@@ -102,7 +101,7 @@ def test_too_small_a_force_is_refused_at_once_with_reason_and_remedy(force: floa
     assert "check the unit of max_force" in str(caught.value)
 
 
-def test_a_long_move_takes_no_more_instants_and_is_judged_alike() -> None:
+def test_a_long_move_takes_no_more_instants_and_is_judged_alike():
     """A cruise of a minute once asked for gigabytes; it leaves no vibration of its own."""
     machine = gantry()
     tuned, limits = tune_loop(machine), MotionLimits(acceleration=2.0, jerk=50.0)
@@ -126,7 +125,7 @@ def test_a_long_move_takes_no_more_instants_and_is_judged_alike() -> None:
         assert energies[1] == pytest.approx(energies[0], rel=0.01)
 
 
-def test_a_loop_that_keeps_thousands_of_setpoints_is_refused() -> None:
+def test_a_loop_that_keeps_thousands_of_setpoints_is_refused():
     """A long delay at a short cycle took 1.1 GB."""
     machine = gantry()
     control = replace(
@@ -137,7 +136,7 @@ def test_a_loop_that_keeps_thousands_of_setpoints_is_refused() -> None:
     assert caught.value.outcome is Outcome.DELAY_TOO_LONG
 
 
-def test_a_machine_that_nobody_built_ends_with_an_outcome(tmp_path: Path) -> None:
+def test_a_machine_that_nobody_built_ends_with_an_outcome(tmp_path):
     """``python -m benchmarks.fuzz --command limits --machines`` tries thousands."""
     profile = tmp_path / "dice.toml"
     profile.write_text(extreme_machine(dice_of(99, 6)), "utf-8")

@@ -90,7 +90,7 @@ def assert_is_the_diagram(tuned: TunedLoop) -> None:
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_every_loop_is_the_diagram_s(seed: int) -> None:
+def test_every_loop_is_the_diagram_s(seed):
     """Every engine takes its matrices from the assembly, and margins are read off its open loop:
     they would all be wrong alike."""
     tuned = tuned_member(seed)
@@ -102,7 +102,7 @@ def test_every_loop_is_the_diagram_s(seed: int) -> None:
     assert np.max(np.abs(ours / theirs - 1.0)) < 1e-9
 
 
-def test_the_population_has_what_a_loop_may_have() -> None:
+def test_the_population_has_what_a_loop_may_have():
     """A population of plain cascades would hold nothing to the diagram."""
     found = [tuned_member(seed).controller for seed in SEEDS]
     assert any(item.state_gains.any() for item in found)
@@ -119,7 +119,7 @@ def test_the_population_has_what_a_loop_may_have() -> None:
 
 
 @pytest.mark.parametrize("seed", [1, 4])
-def test_a_step_of_force_moves_the_tool_as_in_the_diagram(seed: int) -> None:
+def test_a_step_of_force_moves_the_tool_as_in_the_diagram(seed):
     """The curve on the sheet would belong to another loop, or to another line of force."""
     tuned = tuned_member(seed)
     loop, t = tuned.loops[0], np.arange(200) * tuned.controller.position_cycle
@@ -132,7 +132,7 @@ def test_a_step_of_force_moves_the_tool_as_in_the_diagram(seed: int) -> None:
     assert np.allclose(step.deflection, theirs, rtol=0.0, atol=1e-9 * step.peak)
 
 
-def test_model_of_a_tuned_loop_goes_on_in_python_control() -> None:
+def test_model_of_a_tuned_loop_goes_on_in_python_control():
     """``found.loop.model`` is promised for bode plots; the tool must follow the setpoint."""
     tuned = tune_loop(paper_machine())
     model = LoopChoice(tuned=tuned, variants=()).model

@@ -29,7 +29,7 @@ def anchors(page: Path) -> set[str]:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=ids)
-def test_every_link_between_pages_leads_somewhere(page: Path) -> None:
+def test_every_link_between_pages_leads_somewhere(page):
     for target, anchor in re.findall(r"\]\(([^)#\s]*)#?([^)]*)\)", page.read_text("utf-8")):
         if not target.startswith("http"):
             to = page.parent / target if target else page
@@ -49,7 +49,7 @@ def calls(text: str) -> list[tuple[str, list[str]]]:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=ids)
-def test_every_command_and_option_that_is_shown_exists(page: Path) -> None:
+def test_every_command_and_option_that_is_shown_exists(page):
     """Else somebody copies a line and is told that there is no such option."""
     for name, options in calls(page.read_text("utf-8")):
         known = {word for parameter in COMMANDS[name].params for word in parameter.opts}
@@ -57,14 +57,14 @@ def test_every_command_and_option_that_is_shown_exists(page: Path) -> None:
             assert option in known | {"--help"}, f"{page.name}: {name} {option}"
 
 
-def test_readme_shows_the_way_of_an_axis() -> None:
+def test_readme_shows_the_way_of_an_axis():
     """What the two tests above look at is found at all."""
     shown = [name for name, _ in calls((ROOT / "README.md").read_text("utf-8"))]
     for name in ("identify", "check", "run", "export", "verify"):
         assert name in shown
 
 
-def test_every_key_of_a_groups_record_is_listed() -> None:
+def test_every_key_of_a_groups_record_is_listed():
     text = (ROOT / "docs" / "group.md").read_text("utf-8")
     for part in (GroupRecord, FeedOverRadius, Circle, CornerSpeed, RuleEntry):
         for key in (item.name for item in fields(part)):

@@ -28,7 +28,6 @@ from mtcommission.record.machine import ACCEPTED_DEFAULT, Profile
 from mtcommission.record.record import Record, build_record, load_record
 from mtcommission.record.shape import dump_json, find_checksum, to_entry
 
-from .conftest import Run
 from .second_reader import ini_file, lines, simulate_file
 from .sheet_record import Json, on_json
 
@@ -152,7 +151,7 @@ SECOND = [
 
 
 @pytest.mark.parametrize(("kind", "control"), SECOND)
-def test_a_second_program_gets_the_header_s_numbers_from_the_file(kind: str, control: str) -> None:
+def test_a_second_program_gets_the_header_s_numbers_from_the_file(kind, control):
     """Else the header promises what the file does not contain: linear_motors break on that."""
     machine = commissioned(CASES[kind])[0]
     export = export_record(record_of(kind), control=control)
@@ -170,7 +169,7 @@ def test_a_second_program_gets_the_header_s_numbers_from_the_file(kind: str, con
 
 @pytest.mark.parametrize("control", ["sinumerik", "isg", "twincat", "linuxcnc"])
 @pytest.mark.parametrize("as_list", [False, True], ids=["text", "list"])
-def test_every_row_is_read(control: str, as_list: bool) -> None:
+def test_every_row_is_read(control, as_list):
     """A row that changes nothing when its first digit changes is not simulated."""
     export = export_record(record_of("filtered"), control=control, as_list=as_list)
     layout = LIST if as_list else CONTROLS[control].layout
@@ -188,7 +187,7 @@ def test_every_row_is_read(control: str, as_list: bool) -> None:
             continue  # refused: it was read, too
 
 
-def test_what_the_control_lacks_is_neither_written_nor_simulated() -> None:
+def test_what_the_control_lacks_is_neither_written_nor_simulated():
     """State feedback has no row, so its result may not stand in the header."""
     export = export_record(record_of("paper"), control="sinumerik")
     header = " ".join(export.header)
@@ -200,7 +199,7 @@ def test_what_the_control_lacks_is_neither_written_nor_simulated() -> None:
     assert not export.meets_requirements
 
 
-def test_today_s_values_stand_in_the_old_column() -> None:
+def test_today_s_values_stand_in_the_old_column():
     """Who types the new ones in must see what they replace, in the same unit."""
     rows = {
         entry.row.name: entry
@@ -215,9 +214,7 @@ def test_today_s_values_stand_in_the_old_column() -> None:
 
 
 @pytest.mark.parametrize("control", CONTROL_KEYS)
-def test_header_says_what_an_export_must_say_in_letters_that_every_control_reads(
-    control: str,
-) -> None:
+def test_header_says_what_an_export_must_say_in_letters_that_every_control_reads(control):
     """An umlaut or a µ in a comment stops some controls from reading the file."""
     export = export_record(record_of("linear_motor"), control=control)
     head = " ".join(re.sub(r"^[;#(*]+|\*\)$", "", line).strip() for line in export.text.split("\n"))
@@ -244,7 +241,7 @@ def test_header_says_what_an_export_must_say_in_letters_that_every_control_reads
     assert [entry.value for entry in german.entries] == [entry.value for entry in export.entries]
 
 
-def test_marks_in_a_name_stay_inside_their_comment() -> None:
+def test_marks_in_a_name_stay_inside_their_comment():
     """The name holds an end of comment and other marks: none may open the fragment."""
     record = record_of("rotary")
     record["machine"]["name"] = "Table *) \n[TRAJ]\nMAX = 1\r\n$120=9 ; # ("
@@ -257,7 +254,7 @@ def test_marks_in_a_name_stay_inside_their_comment() -> None:
             assert line.endswith("*)")
 
 
-def test_parameter_list_has_room_for_entered_and_verified() -> None:
+def test_parameter_list_has_room_for_entered_and_verified():
     """The list says the same as the file, and holds today's values."""
     export = export_record(record_of("filtered"), control="sinumerik", as_list=True)
     plain = export_record(record_of("filtered"), control="sinumerik")
@@ -269,7 +266,7 @@ def test_parameter_list_has_room_for_entered_and_verified() -> None:
     assert all(row["entered"] == row["verified"] == "" for row in rows)
 
 
-def test_machining_modes_get_their_own_columns() -> None:
+def test_machining_modes_get_their_own_columns():
     """Finishing must not get the limits of roughing."""
     text = export_record(record_of("linear_motor"), control="sinumerik").text
     typed = lines(text, r"^N\d+ \$MA_(\w+\[\d\])=([0-9.]+) ")
@@ -285,7 +282,7 @@ def test_machining_modes_get_their_own_columns() -> None:
 
 
 @pytest.mark.parametrize("control", ["sinumerik", "heidenhain"])
-def test_machining_mode_without_limits_is_left_out_and_said(control: str) -> None:
+def test_machining_mode_without_limits_is_left_out_and_said(control):
     """Finishing must not get limits that vibrate more than it allows, nor the exit code of
     success."""
     record = record_of("linear_motor")
@@ -302,7 +299,7 @@ def test_machining_mode_without_limits_is_left_out_and_said(control: str) -> Non
     assert names & {"N32300 $MA_MAX_AX_ACCEL[3]", "maxAcceleration, accuracy"}
 
 
-def test_without_a_jerk_limit_the_fallback_is_the_one_that_vibrates_least() -> None:
+def test_without_a_jerk_limit_the_fallback_is_the_one_that_vibrates_least():
     """Full acceleration in one step is the worst that could be typed in."""
     record = record_of("rotary")
     text = record["profile"]["text"].replace('"5 arcsec"', '"0.0001 arcsec"')
@@ -318,7 +315,7 @@ def test_without_a_jerk_limit_the_fallback_is_the_one_that_vibrates_least() -> N
     assert "a rotary axis counts in degrees: the value is in deg/s^2" in header
 
 
-def test_isg_gets_whole_numbers_and_comments_that_its_lists_know() -> None:
+def test_isg_gets_whole_numbers_and_comments_that_its_lists_know():
     """P-AXIS-00001 and its neighbours are unsigned integers; a comment line begins with #, and a
     blank opens a comment behind a value (Beckhoff TF5200, ASCII list files)."""
     record = record_of("rotary")
@@ -331,7 +328,7 @@ def test_isg_gets_whole_numbers_and_comments_that_its_lists_know() -> None:
     assert "a_beschl  12 " in export_record(record, control="isg").text
 
 
-def test_a_record_that_contradicts_itself_is_not_exported(tmp_path: Path) -> None:
+def test_a_record_that_contradicts_itself_is_not_exported(tmp_path):
     """Limits judged in a loop that nobody computed would be wrong numbers."""
     record, path = record_of("paper"), tmp_path / "record.json"
     path.write_text(json.dumps(record, indent=3), "utf-8")
@@ -344,7 +341,7 @@ def test_a_record_that_contradicts_itself_is_not_exported(tmp_path: Path) -> Non
         load_record(path)
 
 
-def test_axis_that_a_control_cannot_name_is_refused() -> None:
+def test_axis_that_a_control_cannot_name_is_refused():
     record = record_of("paper")
     text = PAPER.replace('axis = "X"', 'axis = "Loader"')
     record["profile"] |= {"text": text, "sha256": profile_text_hash(text.encode())}
@@ -362,9 +359,7 @@ FILTERS_OF_KINDS = [
 
 
 @pytest.mark.parametrize(("control", "table"), FILTERS_OF_KINDS, ids=lambda value: value[:9])
-def test_the_filter_of_a_run_is_written_and_does_what_the_run_promised(
-    control: str, table: str
-) -> None:
+def test_the_filter_of_a_run_is_written_and_does_what_the_run_promised(control, table):
     """Limits without their filter leave the band; another filter is another motion."""
     text = f'{BELT}[control]\nkind = "{control}"\nsetpoint_filter = {{ {table} }}\n'
     machine, record = commissioned(text)[0], json.loads(commissioned(text)[1])
@@ -380,9 +375,7 @@ def test_the_filter_of_a_run_is_written_and_does_what_the_run_promised(
     assert "setpoint filter" in " ".join(export_record(record, control=other).header)
 
 
-def test_command_line_writes_a_file_and_tells_the_verdict_by_its_exit_code(
-    tmp_path: Path, run: Run
-) -> None:
+def test_command_line_writes_a_file_and_tells_the_verdict_by_its_exit_code(tmp_path, run):
     record, out = tmp_path / "record.json", tmp_path / "axis.txt"
     record.write_text(json.dumps(record_of("linear_motor")), "utf-8")
     code, said, _ = run("export", record, "--control", "sinumerik", "-o", out)
@@ -411,5 +404,5 @@ def test_command_line_writes_a_file_and_tells_the_verdict_by_its_exit_code(
         assert said in error
 
 
-def test_no_cell_of_a_list_is_a_formula() -> None:
+def test_no_cell_of_a_list_is_a_formula():
     assert [_harmless(cell) for cell in ("=1+1", "@x", "-1.5e3")] == ["'=1+1", "'@x", "-1.5e3"]

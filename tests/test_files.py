@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import stat
 import threading
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -24,7 +23,7 @@ FOLDER = Message("file-is-folder")
 
 
 @pytest.fixture
-def mask() -> Iterator[None]:
+def mask():
     before = os.umask(0o027)
     yield
     os.umask(before)
@@ -34,7 +33,7 @@ def mode_of(path: Path) -> int:
     return stat.S_IMODE(path.stat().st_mode)
 
 
-def test_a_new_file_has_the_umask_and_an_old_one_keeps_its_mode(tmp_path: Path, mask: None) -> None:
+def test_a_new_file_has_the_umask_and_an_old_one_keeps_its_mode(tmp_path, mask):
     """A sheet that was private must not become readable for all, nor the other way round."""
     old, new = tmp_path / "old", tmp_path / "new"
     old.write_text("before")
@@ -45,7 +44,7 @@ def test_a_new_file_has_the_umask_and_an_old_one_keeps_its_mode(tmp_path: Path, 
     assert sorted(path.name for path in tmp_path.iterdir()) == ["new", "old"]
 
 
-def test_a_link_stays_and_its_target_is_written(tmp_path: Path) -> None:
+def test_a_link_stays_and_its_target_is_written(tmp_path):
     (tmp_path / "below").mkdir()
     target, link = tmp_path / "below" / "target", tmp_path / "link"
     link.symlink_to(target)
@@ -56,14 +55,14 @@ def test_a_link_stays_and_its_target_is_written(tmp_path: Path) -> None:
         assert target.read_text() == text
 
 
-def test_a_device_is_written_into() -> None:
+def test_a_device_is_written_into():
     """As root, /dev/null once became a file."""
     require_writable("/dev/null", "/dev/null")
     write_text("/dev/null", "gone")
     assert stat.S_ISCHR(os.stat("/dev/null").st_mode)
 
 
-def test_a_pipe_is_written_into_and_read(tmp_path: Path) -> None:
+def test_a_pipe_is_written_into_and_read(tmp_path):
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)
     found: list[bytes] = []
@@ -77,7 +76,7 @@ def test_a_pipe_is_written_into_and_read(tmp_path: Path) -> None:
     assert stat.S_ISFIFO(pipe.stat().st_mode)
 
 
-def test_what_is_read_and_what_is_named_twice_is_refused(tmp_path: Path) -> None:
+def test_what_is_read_and_what_is_named_twice_is_refused(tmp_path):
     """sweep --cases DIR/rows.csv -o DIR would overwrite the table of cases."""
     mine, link = tmp_path / "rows.csv", tmp_path / "link"
     mine.write_text("mine")
@@ -92,20 +91,18 @@ def test_what_is_read_and_what_is_named_twice_is_refused(tmp_path: Path) -> None
     require_writable("", "", "-", str(mine))
 
 
-def test_marks_that_nobody_sees_do_not_reach_the_screen() -> None:
+def test_marks_that_nobody_sees_do_not_reach_the_screen():
     hidden = "\u061c\u200b\u200e\u200f\u202e\u2066\ufeff"
     assert printable(f"a{hidden}b") == f"a{'?' * len(hidden)}b"
     assert printable("é漢👩\u200d🔧") == "é漢👩\u200d🔧"
 
 
-def test_of_several_files_none_is_replaced_if_one_cannot_be_filled(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_of_several_files_none_is_replaced_if_one_cannot_be_filled(tmp_path, monkeypatch):
     """A full disk left a new sheet.html beside the old sheet.pdf."""
     write_files(tmp_path, {"a": b"old", "b": b"old"})
     left = 1
 
-    def fsync(_: int) -> None:
+    def fsync(_):
         nonlocal left
         left -= 1
         if left < 0:

@@ -40,12 +40,12 @@ def loops() -> tuple[LoopFamily, TunedLoop, LoopFamily, TunedLoop]:
     return family, tuned, *found
 
 
-def test_width_and_damping_make_depth_and_delay() -> None:
+def test_width_and_damping_make_depth_and_delay():
     """A notch of another depth than the sheet says would be typed in."""
     item = ForceFilter(kind="notch", natural_frequency=2 * pi * 72.0, damping=0.06, width=0.2)
     top, bottom = filter_polynomials(item)
 
-    def response(omega: float) -> complex:
+    def response(omega):
         return complex(np.polyval(top, 1j * omega) / np.polyval(bottom, 1j * omega))
 
     assert abs(response(item.natural_frequency)) == pytest.approx(0.06 / 0.2)
@@ -53,7 +53,7 @@ def test_width_and_damping_make_depth_and_delay() -> None:
     assert -np.angle(response(slow)) / slow == pytest.approx(filter_delay(item), rel=1e-5)
 
 
-def test_found_filters_let_Kp_rise_with_the_margins_in_every_corner() -> None:
+def test_found_filters_let_Kp_rise_with_the_margins_in_every_corner():
     _, tuned, family, found = loops()
     machine, filters = family.machine, found.controller.force_filters
     assert machine.control.force_filters == filters
@@ -68,7 +68,7 @@ def test_found_filters_let_Kp_rise_with_the_margins_in_every_corner() -> None:
     assert filters[0].natural_frequency == pytest.approx(2 * pi * 137.9, rel=0.11)
 
 
-def test_no_more_filters_than_the_control_has() -> None:
+def test_no_more_filters_than_the_control_has():
     family, *_ = loops()
     for kind in (replace(GENERIC, force_filters=0), replace(GENERIC, force_filters=1)):
         control = replace(family.machine.control, kind=kind)
@@ -77,7 +77,7 @@ def test_no_more_filters_than_the_control_has() -> None:
         assert len(found[1].controller.force_filters if found else ()) <= kind.force_filters
 
 
-def test_filters_are_used_only_where_asked_for() -> None:
+def test_filters_are_used_only_where_asked_for():
     """A filter that nobody typed in would make the sheet's loop another than the machine's."""
     without = settle_on_loop(ball_screw(seeks_force_filters=False))
     assert without.tuned.controller.force_filters == ()

@@ -32,18 +32,18 @@ def coast(coulomb: float, viscous: float, v: float, force: float, until: float) 
     return np.array(found)
 
 
-def test_an_axis_sticks_under_less_than_coulomb_friction_and_slides_under_more() -> None:
+def test_an_axis_sticks_under_less_than_coulomb_friction_and_slides_under_more():
     assert np.all(coast(100.0, 0.0, 0.0, 99.0, 0.2) == 0.0)
     m = build_plant(paper_machine()).moving_mass
     v = coast(100.0, 0.0, 0.0, 130.0, 0.2)
     assert v[-1] == pytest.approx(30.0 / m * 0.2, rel=1e-9)
 
 
-def test_a_smooth_model_in_another_solver_agrees() -> None:
+def test_a_smooth_model_in_another_solver_agrees():
     """There and back under a force that changes sign: tanh at 1 um/s, Radau."""
     m, coulomb, viscous = build_plant(paper_machine()).moving_mass, 80.0, 400.0
 
-    def rate(t: float, v: np.ndarray) -> np.ndarray:
+    def rate(t, v):
         force = 300.0 * np.sign(np.sin(2.0 * np.pi * t / 0.4))
         return (force - coulomb * np.tanh(v / 1e-6) - viscous * v) / m
 
@@ -58,6 +58,6 @@ def test_a_smooth_model_in_another_solver_agrees() -> None:
     assert ours == pytest.approx(np.interp(t, smooth.t, smooth.y[0]), abs=1e-4)
 
 
-def test_coulomb_friction_takes_its_amount_from_the_force() -> None:
+def test_coulomb_friction_takes_its_amount_from_the_force():
     drive = Drive(force_lag=1e-3, max_force=2000.0, static_load=-300.0, coulomb_friction=150.0)
     assert (drive.usable_force, drive.motion_force) == (1700.0, 1550.0)

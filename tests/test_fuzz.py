@@ -11,7 +11,6 @@ import re
 from dataclasses import replace
 from functools import partial
 from importlib import import_module
-from pathlib import Path
 
 import pytest
 
@@ -28,7 +27,7 @@ LONGEST = 60.0
 """CPU time of one check that counts as a hang [s]; a good profile takes some 10 ms."""
 
 
-def test_mutated_profiles_never_crash_check(tmp_path: Path) -> None:
+def test_mutated_profiles_never_crash_check(tmp_path):
     path = tmp_path / "mutated.toml"
     codes: dict[int, int] = {}
     for seed in range(COUNT):
@@ -48,9 +47,7 @@ def test_mutated_profiles_never_crash_check(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("command", "count"), [("simulate", 2), ("optimal", 2)])
-def test_machines_with_slips_of_units_are_computed_or_refused(
-    command: str, count: int, tmp_path: Path
-) -> None:
+def test_machines_with_slips_of_units_are_computed_or_refused(command, count, tmp_path):
     """Numbers off by powers of ten get through the reader; the computation must cope."""
     path, tried, seed = tmp_path / "slip.toml", 0, 0
     while tried < count:
@@ -63,7 +60,7 @@ def test_machines_with_slips_of_units_are_computed_or_refused(
             assert not fault_of(command, ending, longest=LONGEST), (seed, ending)
 
 
-def test_the_fuzzer_finds_what_it_loads_before_its_cases() -> None:
+def test_the_fuzzer_finds_what_it_loads_before_its_cases():
     """If it failed, no command could be fuzzed: that went unnoticed after a module had moved."""
     for name in WARM:
         assert import_module(name)
@@ -84,13 +81,13 @@ def test_the_fuzzer_finds_what_it_loads_before_its_cases() -> None:
         ("run", 0, "met", {"processor": 61.0}, "61.0 s of CPU, more than 60.0 s"),
     ],
 )
-def test_the_fuzzer_sees_what_is_bad(command, code, said, how, fault) -> None:
+def test_the_fuzzer_sees_what_is_bad(command, code, said, how, fault):
     """What it does not see, ten thousand profiles do not find."""
     ending = Ending(code=code, said=said, **{"processor": 1.0} | how)
     assert fault_of(command, ending, longest=LONGEST) == fault
 
 
-def test_mutated_profiles_never_crash_the_wizard(tmp_path: Path) -> None:
+def test_mutated_profiles_never_crash_the_wizard(tmp_path):
     """Opened as the profile to be changed, and taken as a file of answers: what it writes is a
     profile, or it says what is wrong."""
     profile, new = tmp_path / "mutated.toml", tmp_path / "new.toml"
@@ -110,7 +107,7 @@ def test_mutated_profiles_never_crash_the_wizard(tmp_path: Path) -> None:
     assert codes[2] > 0.05 * COUNT / 4
 
 
-def test_a_crawl_to_a_tiny_velocity_gets_limits() -> None:
+def test_a_crawl_to_a_tiny_velocity_gets_limits():
     """Its grid of limits to look at is empty, which once was an internal error."""
     machine = read_shipped("milling-manipulator").machine
     slow = replace(machine, moves=(replace(machine.moves[0], velocity_step=6e-4),))

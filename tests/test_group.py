@@ -22,7 +22,7 @@ from mtcommission.group.contours import (
     worst_circle,
 )
 from mtcommission.group.follow import filter_response, follow
-from mtcommission.group.group import Group, join
+from mtcommission.group.group import join
 from mtcommission.group.judged import (
     circle_test,
     corner_speeds,
@@ -61,7 +61,7 @@ def task_of(*changes: tuple[Change, ...], **options: str) -> Task:
 
 
 @pytest.fixture(scope="module")
-def joined() -> Group:
+def joined():
     return mill()
 
 
@@ -71,7 +71,7 @@ WITHOUT_CONTOUR = ('contour_deviation = "20 um"\ncontour_feed = "6 m/min"\n', ""
 # Closed forms
 
 
-def test_an_average_makes_circles_smaller_by_its_square() -> None:
+def test_an_average_makes_circles_smaller_by_its_square():
     feed, radius, T = 0.1, 0.01, 0.016
     omega = np.array([feed / radius])
     same = filter_response(moving_average(T), omega)
@@ -79,7 +79,7 @@ def test_an_average_makes_circles_smaller_by_its_square() -> None:
     assert off == pytest.approx(-(feed**2) * T**2 / (24.0 * radius), rel=2e-3)
 
 
-def test_delays_apart_make_an_ellipse_of_feed_times_their_difference() -> None:
+def test_delays_apart_make_an_ellipse_of_feed_times_their_difference():
     feed, radius, apart = 0.1, 0.05, 0.4e-3
     omega = np.array([feed / radius])
     off = deviate(np.exp(-1j * omega * 2e-3), np.exp(-1j * omega * (2e-3 + apart)))
@@ -87,7 +87,7 @@ def test_delays_apart_make_an_ellipse_of_feed_times_their_difference() -> None:
 
 
 @pytest.mark.parametrize("degrees", [45.0, 135.0])
-def test_a_corner_behind_an_average_alone(degrees: float) -> None:
+def test_a_corner_behind_an_average_alone(degrees):
     T, step, v = 0.016, 1e-4, 0.1
     t = step * np.arange(400)
     tool = np.where(t < T, t**2 / (2.0 * T), t - 0.5 * T)[None, None]
@@ -98,9 +98,7 @@ def test_a_corner_behind_an_average_alone(degrees: float) -> None:
 
 
 @pytest.mark.parametrize("kind", [Corner.STEP, Corner.JUNCTION, Corner.DEVIATION])
-def test_what_a_control_is_told_keeps_the_speed_of_every_corner(
-    kind: Corner, joined: Group
-) -> None:
+def test_what_a_control_is_told_keeps_the_speed_of_every_corner(kind, joined):
     """In every direction of the change of velocity, by the rule as the control's source has it."""
     speeds, a = speeds_at_once(turnings(joined.pair), tolerance=10e-6, feed=0.1), (2.0, 5.0)
     rule = CornerRule(kind=kind)
@@ -130,7 +128,7 @@ def test_what_a_control_is_told_keeps_the_speed_of_every_corner(
 # The second program
 
 
-def test_circles_come_out_as_the_second_program_drives_them(joined: Group) -> None:
+def test_circles_come_out_as_the_second_program_drives_them(joined):
     radius, feed = 10e-3, 0.1
     circle = draw_circles(joined, ((radius, feed),))[0]
     _, worst = worst_circle(joined.pair, np.array([feed / radius]))
@@ -141,9 +139,7 @@ def test_circles_come_out_as_the_second_program_drives_them(joined: Group) -> No
     assert np.ptp(off) == pytest.approx(circle.form_deviation, rel=0.01, abs=0.1e-6)
 
 
-def test_reversal_peaks_are_those_of_the_second_program_and_below_their_bound(
-    joined: Group,
-) -> None:
+def test_reversal_peaks_are_those_of_the_second_program_and_below_their_bound(joined):
     radius, feed = 10e-3, 0.05
     x, y = (axis.machine.drive.coulomb_friction for axis in joined.drawn)
     assert x > 0.0
@@ -158,7 +154,7 @@ def test_reversal_peaks_are_those_of_the_second_program_and_below_their_bound(
         assert peaks[axis.name] <= axis.follower.peak_bound()
 
 
-def test_reversals_of_a_slow_loop_are_followed_until_they_are_over() -> None:
+def test_reversals_of_a_slow_loop_are_followed_until_they_are_over():
     """Where an axis reverses fast, friction is a step of force; cut off, 31 % were missing."""
     gains = 'position_gain = 5\nvelocity_gain = "140 kN s/m"\nintegral_time = "0.3 s"'
     text = Y.read_text().replace('kind = "sinumerik"', f'kind = "generic"\n{gains}')
@@ -169,7 +165,7 @@ def test_reversals_of_a_slow_loop_are_followed_until_they_are_over() -> None:
     assert 0.97 * step < np.abs(axis.reversals(((50e-3, 0.1),))).max() <= step
 
 
-def test_friction_binds_the_feed_where_reversals_reach_the_tolerance(joined: Group) -> None:
+def test_friction_binds_the_feed_where_reversals_reach_the_tolerance(joined):
     """At the feed that is named the peak is the tolerance; it was no bound at all."""
     within = 12e-6
     narrow = replace(joined, task=replace(joined.task, tolerance=within))
@@ -187,7 +183,7 @@ def test_friction_binds_the_feed_where_reversals_reach_the_tolerance(joined: Gro
     assert {one.feed for one in feeds_over_radius(hopeless, circle_test(hopeless))} == {0.0}
 
 
-def test_entries_are_those_of_the_second_program(joined: Group) -> None:
+def test_entries_are_those_of_the_second_program(joined):
     """On circles that are slow beside the loop, and on such as it hardly follows."""
     feed, (first, _) = joined.task.feed, joined.pair
     for a in (joined.path.on_circles[0], 5.0):
@@ -208,7 +204,7 @@ def test_entries_are_those_of_the_second_program(joined: Group) -> None:
         assert ours <= joined.allowed or a > joined.path.on_circles[0]
 
 
-def test_corners_keep_the_tolerance_in_the_second_program(joined: Group) -> None:
+def test_corners_keep_the_tolerance_in_the_second_program(joined):
     speed = next(one for one in corner_speeds(joined) if one.angle_deg == 90.0)
     # The nominal machines, where the corner comes just behind a sample.
     x, y = (
@@ -231,9 +227,7 @@ def test_corners_keep_the_tolerance_in_the_second_program(joined: Group) -> None
     assert ours == pytest.approx(max(offs), rel=0.02)
 
 
-def test_lines_in_every_direction_keep_what_was_judged_in_the_second_program(
-    joined: Group,
-) -> None:
+def test_lines_in_every_direction_keep_what_was_judged_in_the_second_program(joined):
     """With what the control is told and the limits of the axes: more than both in some."""
     path, feed = joined.path, joined.task.feed
     judged = judge_group(joined, circle_test(joined))[1].value
@@ -261,7 +255,7 @@ def test_lines_in_every_direction_keep_what_was_judged_in_the_second_program(
 # What is told
 
 
-def test_axes_come_as_late_as_the_slowest_where_the_control_takes_a_wait() -> None:
+def test_axes_come_as_late_as_the_slowest_where_the_control_takes_a_wait():
     """In parts of a cycle, with which circles stay round; without a place for it they are oval."""
     changed = ('frequency = "197.4 Hz", damping', 'frequency = "130 Hz", damping')
     found = join(task_of((changed, *FEWER), FEWER))
@@ -272,7 +266,7 @@ def test_axes_come_as_late_as_the_slowest_where_the_control_takes_a_wait() -> No
     assert draw_circles(found, ((50e-3, 0.1),))[0].form_deviation < 2e-6
 
 
-def test_limits_of_the_path_slow_each_axis_and_its_verdict() -> None:
+def test_limits_of_the_path_slow_each_axis_and_its_verdict():
     """All are typed in together: X was called soon enough by its own limits alone."""
     within = ("[requirements]\n", '[requirements]\nmax_settling_time = "410 ms"\n')
     group = join(task_of((within,), (within,)))
@@ -293,7 +287,7 @@ def test_limits_of_the_path_slow_each_axis_and_its_verdict() -> None:
     assert not checks["settling time X"].met
 
 
-def test_axes_that_lag_get_the_position_gain_of_the_slower() -> None:
+def test_axes_that_lag_get_the_position_gain_of_the_slower():
     given = """velocity_cycle = "125 us"
 velocity_feedforward = 0.0
 acceleration_feedforward = 0.0
@@ -315,9 +309,7 @@ position_gain = """
     assert circle.radius_deviation == pytest.approx(-(0.02**2) / (0.1 * 30.0**2), rel=0.1)
 
 
-def test_another_tolerance_than_the_profiles_is_named_and_what_helps_is_next(
-    joined: Group,
-) -> None:
+def test_another_tolerance_than_the_profiles_is_named_and_what_helps_is_next(joined):
     """It was judged beside the profiles' own without a remark, and ended with `export`."""
     words, profiles = Catalogue("en"), [X, Y]
     narrow = replace(joined, task=replace(joined.task, tolerance=8e-6))
@@ -347,12 +339,12 @@ def test_another_tolerance_than_the_profiles_is_named_and_what_helps_is_next(
         (('axis = "Y"', 'axis = "X"'), "has the name of that in"),
     ],
 )
-def test_axes_that_cannot_move_together_are_refused(change: Change, words: str) -> None:
+def test_axes_that_cannot_move_together_are_refused(change, words):
     with pytest.raises(InputError, match=words):
         task_of((), (change,))
 
 
-def test_a_rotary_axis_and_a_single_one_are_refused() -> None:
+def test_a_rotary_axis_and_a_single_one_are_refused():
     sources = [read_source(X), read_source(PROFILES / "rotary-table.toml")]
     machines = [parse_profile(one.text, where=str(one.path)) for one in sources]
     with pytest.raises(InputError, match="turns; circles and corners are those of linear axes"):
@@ -361,7 +353,7 @@ def test_a_rotary_axis_and_a_single_one_are_refused() -> None:
         read_task(machines[:1], sources[:1])
 
 
-def test_tolerance_and_plane_must_be_known() -> None:
+def test_tolerance_and_plane_must_be_known():
     without = WITHOUT_CONTOUR
     with pytest.raises(InputError, match="--tolerance 10um"):
         task_of((without,), (without,))

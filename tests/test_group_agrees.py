@@ -74,9 +74,7 @@ EVERY = ("sinumerik", "heidenhain", "fanuc", "twincat", "linuxcnc", "klipper", "
 
 
 @pytest.mark.parametrize("kind", EVERY)
-def test_file_terminal_sheet_and_text_hold_the_numbers_that_were_judged(
-    kind: str, tmp_path: Path
-) -> None:
+def test_file_terminal_sheet_and_text_hold_the_numbers_that_were_judged(kind, tmp_path):
     record, control = recorded(kind), CONTROLS[kind]
     file = tmp_path / "group.json"
     file.write_text(dump_json(record), encoding="utf-8")

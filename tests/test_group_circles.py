@@ -14,14 +14,13 @@ from mtcommission.group.record import GroupRecord, read_pair
 from mtcommission.group.recorded import read_circular
 from mtcommission.group.verify import CircleVerification, foresee, verify_circles
 from mtcommission.verify.checks import Check, Verdict
-from tests.conftest import Run
 from tests.group_record import driven, mill, mill_record, printer_record, write_mill
 from tests.independent_circle import Road, drive
 from tests.recorded_circles import Spoilt, draw, write_ballbar, write_csv
 
 
 @pytest.fixture(scope="module")
-def record() -> GroupRecord:
+def record():
     return mill_record()
 
 
@@ -55,7 +54,7 @@ def find(found: CircleVerification, key: str, mode: str = "", circle: int = 1) -
     )
 
 
-def test_what_was_put_in_is_found(record: GroupRecord, tmp_path: Path) -> None:
+def test_what_was_put_in_is_found(record, tmp_path):
     plan = as_planned(record)
     late = replace(
         plan,
@@ -93,9 +92,7 @@ def test_what_was_put_in_is_found(record: GroupRecord, tmp_path: Path) -> None:
     assert [one.radius for one in fitted] == pytest.approx([50e-3, 50e-3], rel=1e-9)
 
 
-def test_an_axis_that_waits_is_late_in_either_direction(
-    record: GroupRecord, tmp_path: Path
-) -> None:
+def test_an_axis_that_waits_is_late_in_either_direction(record, tmp_path):
     """Closed form: delays apart by d make an oval of v d, turned over with the direction."""
     first, second = read_pair(record)
     late = first, replace(second, wait=second.wait + 0.3e-3)
@@ -107,9 +104,7 @@ def test_an_axis_that_waits_is_late_in_either_direction(
         assert delay == pytest.approx(0.3e-3, rel=0.02)
 
 
-def test_one_direction_does_not_tell_squareness_from_delay(
-    record: GroupRecord, tmp_path: Path
-) -> None:
+def test_one_direction_does_not_tell_squareness_from_delay(record, tmp_path):
     plan = as_planned(record)
     for spoilt in (
         replace(plan, squareness=100e-6),
@@ -125,7 +120,7 @@ def test_one_direction_does_not_tell_squareness_from_delay(
     assert found.verdict is Verdict.HOLDS
 
 
-def test_two_feeds_tell_squareness_from_delay(record: GroupRecord, tmp_path: Path) -> None:
+def test_two_feeds_tell_squareness_from_delay(record, tmp_path):
     plan = replace(as_planned(record), squareness=100e-6)
     slow = replace(
         plan, feed=1.0 / 60.0, step=5e-3, turns=1.2, peaks=(3e-6, 3e-6), gains=(1.0, 1.0)
@@ -136,7 +131,7 @@ def test_two_feeds_tell_squareness_from_delay(record: GroupRecord, tmp_path: Pat
     assert found.verdict is Verdict.HOLDS
 
 
-def test_what_a_scale_may_do_is_not_judged_to_fail(record: GroupRecord, tmp_path: Path) -> None:
+def test_what_a_scale_may_do_is_not_judged_to_fail(record, tmp_path):
     plan = as_planned(record)
     for gains, verdict in (((50e-6, 20e-6), Verdict.UNKNOWN), ((220e-6, 220e-6), Verdict.FAILS)):
         own = (plan.gains[0] + gains[0], plan.gains[1] + gains[1])
@@ -146,9 +141,7 @@ def test_what_a_scale_may_do_is_not_judged_to_fail(record: GroupRecord, tmp_path
     assert find(alone, "radius").reason.kind == "group-may-be-scale"
 
 
-def test_loops_that_are_stepped_with_friction_keep_their_prediction(
-    record: GroupRecord, tmp_path: Path
-) -> None:
+def test_loops_that_are_stepped_with_friction_keep_their_prediction(record, tmp_path):
     group, traces = mill(), []
     friction = tuple(axis.machine.drive.coulomb_friction for axis in group.drawn)
     R, feed = 20e-3, 3.0 / 60.0
@@ -183,7 +176,7 @@ def test_loops_that_are_stepped_with_friction_keep_their_prediction(
     assert abs(found.squareness.value) < 5e-6
 
 
-def test_a_ballbar_tells_the_same(record: GroupRecord, tmp_path: Path) -> None:
+def test_a_ballbar_tells_the_same(record, tmp_path):
     plan = as_planned(record)
     spoilt = replace(plan, delays=(plan.delays[0] + 0.2e-3, plan.delays[1]))
     files = [
@@ -200,9 +193,7 @@ def test_a_ballbar_tells_the_same(record: GroupRecord, tmp_path: Path) -> None:
     assert {one.kind for one in found.warnings} == {"group-trace-radius"}
 
 
-def test_a_radius_that_nobody_told_is_not_judged_to_fail(
-    record: GroupRecord, tmp_path: Path
-) -> None:
+def test_a_radius_that_nobody_told_is_not_judged_to_fail(record, tmp_path):
     columns = draw(replace(as_planned(record), gains=(1.001, 1.001)))
     del columns["x_ref"], columns["y_ref"]
     file = write_csv(tmp_path / "alone.csv", columns)
@@ -211,7 +202,7 @@ def test_a_radius_that_nobody_told_is_not_judged_to_fail(
     assert find(found, "radius").measured == pytest.approx(50e-6, abs=0.1e-6)
 
 
-def test_a_motor_that_follows_its_setpoint_has_no_peaks(tmp_path: Path) -> None:
+def test_a_motor_that_follows_its_setpoint_has_no_peaks(tmp_path):
     record = printer_record()
     omega = np.array([1e-2])
     response = read_pair(record)[0].response(omega)[0, 0]
@@ -221,7 +212,7 @@ def test_a_motor_that_follows_its_setpoint_has_no_peaks(tmp_path: Path) -> None:
     assert find(found, "delay").verdict is Verdict.HOLDS
 
 
-def test_the_command_writes_page_and_verdict(record: GroupRecord, tmp_path: Path, run: Run) -> None:
+def test_the_command_writes_page_and_verdict(record, tmp_path, run):
     group, plan = write_mill(tmp_path), as_planned(record)
     late = replace(plan, delays=(plan.delays[0], plan.delays[1] + 0.3e-3))
     files = [
@@ -276,7 +267,7 @@ BROKEN: dict[str, tuple[Callable[[Path], Path], str]] = {
 
 
 @pytest.mark.parametrize("name", BROKEN)
-def test_a_broken_file_is_named_with_its_remedy(name: str, tmp_path: Path, run: Run) -> None:
+def test_a_broken_file_is_named_with_its_remedy(name, tmp_path, run):
     write, said = BROKEN[name]
     file = write(tmp_path / "broken.csv")
     code, _, err = run("verify", write_mill(tmp_path), file)

@@ -5,16 +5,14 @@ from __future__ import annotations
 import csv
 import re
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
 from mtcommission.base.errors import InputError
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.group.export import export_group
-from mtcommission.group.record import AxisEntry, GroupRecord
+from mtcommission.group.record import AxisEntry
 from mtcommission.machine.profile.read import profile_text_hash
-from tests.conftest import Run
 from tests.group_record import mill_record, write_mill
 from tests.second_reader import lines
 
@@ -23,7 +21,7 @@ BELOW, ABOVE = 0.99, 1.0 + 1e-9
 
 
 @pytest.fixture(scope="module")
-def record() -> GroupRecord:
+def record():
     return mill_record()
 
 
@@ -37,7 +35,7 @@ def parts(text: str) -> dict[str, str]:
     return dict(zip(pieces[1::2], pieces[2::2], strict=True))
 
 
-def test_a_sinumerik_gets_a_part_for_each_axis_and_one_for_the_path(record: GroupRecord) -> None:
+def test_a_sinumerik_gets_a_part_for_each_axis_and_one_for_the_path(record):
     exported = export_group(record, control="sinumerik")
     assert exported.meets_requirements
     assert all(one.is_same for one in exported.circles)
@@ -70,7 +68,7 @@ def test_a_sinumerik_gets_a_part_for_each_axis_and_one_for_the_path(record: Grou
     assert float(path["20600"]) > max(axis.limits.recommended.jerk for axis in record.axes)
 
 
-def test_a_wait_in_the_text_reaches_its_circles(record: GroupRecord) -> None:
+def test_a_wait_in_the_text_reaches_its_circles(record):
     late = [replace(record.axes[0], wait=4e-3), record.axes[1]]
     found = export_group(replace(record, axes=late), control="sinumerik")
     assert "N32910 $MA_DYN_MATCH_TIME[0]=0.004 " in found.text
@@ -87,7 +85,7 @@ def test_a_wait_in_the_text_reaches_its_circles(record: GroupRecord) -> None:
 
 
 @pytest.mark.parametrize("control", ["sinumerik", "twincat"])
-def test_a_list_holds_the_same(control: str, record: GroupRecord) -> None:
+def test_a_list_holds_the_same(control, record):
     listed = export_group(record, control=control, as_list=True)
     assert listed.circles == export_group(record, control=control).circles
     pieces = re.split(r'^"# ==== (.+?) ===="$', listed.text, flags=re.MULTILINE)
@@ -104,9 +102,7 @@ def renamed(axis: AxisEntry, name: str) -> AxisEntry:
 
 
 @pytest.mark.parametrize("control", ["linuxcnc", "twincat"])
-def test_axes_that_a_control_cannot_tell_apart_are_refused(
-    control: str, record: GroupRecord
-) -> None:
+def test_axes_that_a_control_cannot_tell_apart_are_refused(control, record):
     names = ("X-1", "X.1") if control == "twincat" else ("X1", "X2")
     axes = [renamed(axis, name) for axis, name in zip(record.axes, names, strict=True)]
     group = replace(record, axes=axes, plane=list(names))
@@ -119,7 +115,7 @@ def test_axes_that_a_control_cannot_tell_apart_are_refused(
     assert export_group(group, control="sinumerik").meets_requirements
 
 
-def test_the_command_takes_a_group_in_german(tmp_path: Path, run: Run) -> None:
+def test_the_command_takes_a_group_in_german(tmp_path, run):
     group, out = write_mill(tmp_path), tmp_path / "group.txt"
     words = ("--control", "sinumerik", "-o", out, "--language", "de")
     assert run("export", group, *words)[0] == 0

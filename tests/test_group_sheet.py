@@ -11,7 +11,6 @@ import re
 from dataclasses import replace
 from html import unescape
 from math import pi
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -57,14 +56,14 @@ SAID = {
 
 
 @pytest.mark.parametrize("language", SAID)
-def test_html_and_pdf_say_what_is_entered_and_what_to_measure(language: str) -> None:
+def test_html_and_pdf_say_what_is_entered_and_what_to_measure(language):
     """Two axes fit on two pages; a third page would be lost on the way to the machine."""
     found, words = mill_record(), words_of(mill_record(), language)
     files = print_group(found, mill().pair, language=language)
     html, pages = text_of(files["sheet.html"].decode()), text_of_pdf(files["sheet.pdf"])
     assert len(pages) == 2
 
-    def shown(value: float, unit: str) -> str:
+    def shown(value, unit):
         return words.format.quantity(value, unit).replace("\N{NARROW NO-BREAK SPACE}", " ")
 
     path = found.path
@@ -86,7 +85,7 @@ def test_html_and_pdf_say_what_is_entered_and_what_to_measure(language: str) -> 
         assert phrase in " ".join(pages)
 
 
-def test_a_group_that_is_not_met_says_what_peaks_forbid_and_keeps_its_two_pages() -> None:
+def test_a_group_that_is_not_met_says_what_peaks_forbid_and_keeps_its_two_pages():
     """A third page is lost on the way to the machine; a table of dashes says nothing."""
     narrow = replace(mill(), task=replace(mill().task, tolerance=8e-6))
     found = build_group_record(narrow, created="2026-01-01T00:00:00Z")
@@ -96,7 +95,7 @@ def test_a_group_that_is_not_met_says_what_peaks_forbid_and_keeps_its_two_pages(
     assert len(text_of_pdf(print_group(found, mill().pair, language="de")["sheet.pdf"])) == 2
 
 
-def test_todays_values_stand_beside_the_new_ones_and_three_axes_have_their_columns() -> None:
+def test_todays_values_stand_beside_the_new_ones_and_three_axes_have_their_columns():
     """What is overwritten must be seen before it is."""
     found = mill_record()
     (other, own) = found.axes
@@ -119,7 +118,7 @@ def test_todays_values_stand_beside_the_new_ones_and_three_axes_have_their_colum
     assert len(text_of_pdf(print_group(three, read_pair(three))["sheet.pdf"])) <= 3
 
 
-def test_names_that_look_like_markup_stay_names() -> None:
+def test_names_that_look_like_markup_stay_names():
     """A profile comes from anywhere; its names stand in the page, the drawing and the script."""
     name = '</script><img src=x onerror="alert(1)">&'
     found = mill_record()
@@ -149,7 +148,7 @@ addEventListener("load", () => {
 
 
 @needs_browser
-def test_the_page_computes_what_the_command_does(tmp_path: Path) -> None:
+def test_the_page_computes_what_the_command_does(tmp_path):
     """Sliders would show circles that nobody judged; here with the control's arcs at corners."""
     group = mill()  # behind an average, or for a narrower tolerance, they gain nothing
     axes = [replace(a, follower=replace(a.follower, setpoint_filter=None)) for a in group.axes]
@@ -222,7 +221,7 @@ addEventListener("load", () => {
 
 
 @needs_browser
-def test_circle_and_corner_follow_the_sliders(tmp_path: Path) -> None:
+def test_circle_and_corner_follow_the_sliders(tmp_path):
     told: Any
     told, console = browse(html_of(mill_record()), tmp_path, TELL + SLIDE)
     assert console == ""
@@ -237,7 +236,7 @@ def test_circle_and_corner_follow_the_sliders(tmp_path: Path) -> None:
 
 
 @needs_browser
-def test_nothing_is_cut_on_a_phone(tmp_path: Path) -> None:
+def test_nothing_is_cut_on_a_phone(tmp_path):
     script = WIDTHS.replace("const letters =", "const letters = 0; const no =").replace(
         "const over =", "const over = 0; const none ="
     )
@@ -248,7 +247,7 @@ def test_nothing_is_cut_on_a_phone(tmp_path: Path) -> None:
 
 @needs_browser
 @pytest.mark.skipif(not axe_file().exists(), reason="needs axe-core")
-def test_axe_finds_nothing_in_light_and_dark(tmp_path: Path) -> None:
+def test_axe_finds_nothing_in_light_and_dark(tmp_path):
     script = axe_file().read_text(encoding="utf-8") + AXE_RUN
     for scheme, language in ((1, "en"), (0, "de")):
         html = html_of(mill_record(), language)

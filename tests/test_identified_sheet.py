@@ -30,7 +30,6 @@ from mtcommission.sheet.html import set_html
 from mtcommission.sheet.identified import identified
 from mtcommission.sheet.loop import bode
 from mtcommission.study.improvements import value_tool_sensor
-from tests.conftest import Run
 from tests.sheet_record import example_record
 from tests.test_identify import table_file
 
@@ -46,7 +45,7 @@ max_velocity = "0.4 m/s"
 
 
 @pytest.fixture
-def profile(run: Run, tmp_path: Path) -> Path:
+def profile(run, tmp_path):
     """Identified from an encoder alone, and completed."""
     path = tmp_path / "axis.toml"
     code, _, errors = run("identify", table_file(tmp_path / "e.csv"), "-o", str(path))
@@ -93,7 +92,7 @@ def _section(part: IdentifiedPart, language: str = "en", **plant) -> str:
     return set_html(replace(document, sections=(section,)))
 
 
-def test_the_file_beside_the_profile_carries_points_and_states(profile: Path) -> None:
+def test_the_file_beside_the_profile_carries_points_and_states(profile):
     part, entry = _part(profile), json.loads((profile.parent / "axis.identified.json").read_text())
     (response,) = part.responses
     assert 100 < len(response.frequency_hz) <= 300
@@ -104,9 +103,7 @@ def test_the_file_beside_the_profile_carries_points_and_states(profile: Path) ->
     assert to_plain(part) == {key: entry[key] for key in to_plain(part)}
 
 
-def test_without_that_file_the_profile_alone_has_the_intervals_and_the_sheet_says_so(
-    profile: Path,
-) -> None:
+def test_without_that_file_the_profile_alone_has_the_intervals_and_the_sheet_says_so(profile):
     whole = _part(profile)
     beside = profile.parent / "axis.identified.json"
     text = beside.read_text()
@@ -122,7 +119,7 @@ def test_without_that_file_the_profile_alone_has_the_intervals_and_the_sheet_say
     assert "axis.identified.json" in _section(_part(profile))
 
 
-def test_the_loop_with_the_measured_axis_differs_by_measured_over_fitted(profile: Path) -> None:
+def test_the_loop_with_the_measured_axis_differs_by_measured_over_fitted(profile):
     """Points that are 6 dB above the fitted curve lie 6 dB above the loop of the model."""
     part = _part(profile)
     (response,) = part.responses
@@ -141,7 +138,7 @@ def test_the_loop_with_the_measured_axis_differs_by_measured_over_fitted(profile
         np.testing.assert_allclose(difference, apart, atol=0.6)  # between their points
 
 
-def test_what_was_changed_by_hand_is_told(profile: Path) -> None:
+def test_what_was_changed_by_hand_is_told(profile):
     part = _part(profile)
     first = part.modes[0]
     mode = replace(
@@ -159,7 +156,7 @@ def test_what_was_changed_by_hand_is_told(profile: Path) -> None:
     assert "the corners hold ± 5.2 %" in page.replace("\u202f", " ").replace("\xa0", " ")
 
 
-def test_wrong_values_in_what_was_measured_are_named_with_their_line(profile: Path) -> None:
+def test_wrong_values_in_what_was_measured_are_named_with_their_line(profile):
     document = tomlkit.parse(profile.read_text())
     document["identified"]["modes"][0]["frequency"] = ["38 kg", "1 Hz"]  # type: ignore[index]
     document["identified"]["misfits"] = 1.0  # type: ignore[index]
@@ -168,9 +165,7 @@ def test_wrong_values_in_what_was_measured_are_named_with_their_line(profile: Pa
     assert "identified.misfits" in str(caught.value)
 
 
-def test_merging_again_replaces_what_was_measured_and_follows_renamed_modes(
-    run: Run, profile: Path, tmp_path: Path
-) -> None:
+def test_merging_again_replaces_what_was_measured_and_follows_renamed_modes(run, profile, tmp_path):
     profile.write_text(profile.read_text().replace('"mode1"', '"beam"'))
     files = [table_file(tmp_path / "e2.csv", seed=7)]
     again = tmp_path / "again.toml"
@@ -195,7 +190,7 @@ def test_merging_again_replaces_what_was_measured_and_follows_renamed_modes(
     assert part.responses
 
 
-def test_a_sensor_at_the_tool_frees_what_the_worst_case_costs(profile: Path) -> None:
+def test_a_sensor_at_the_tool_frees_what_the_worst_case_costs(profile):
     machine = _machine(profile)
     tuned = tune_loop(machine)
     choice = choose_limits(machine, tuned)

@@ -29,7 +29,7 @@ def honing_without_feedforward() -> Machine:
     return replace(machine, moves=machine.moves[1:], control=control)
 
 
-def test_each_number_is_what_the_changed_machine_gets_for_itself() -> None:
+def test_each_number_is_what_the_changed_machine_gets_for_itself():
     """A machine builder orders DSC or a drive by these numbers."""
     machine = honing_without_feedforward()
     before, found = improvements_of(machine)
@@ -57,7 +57,7 @@ def test_each_number_is_what_the_changed_machine_gets_for_itself() -> None:
     assert fed_forward.saved > 0.0
 
 
-def test_a_rest_that_nobody_stated_is_weighed_where_the_heat_binds() -> None:
+def test_a_rest_that_nobody_stated_is_weighed_where_the_heat_binds():
     """What it says is what the machine gets for itself with that rest, and no less will do."""
     machine = read_shipped("printer-belt").machine
     assert "change-dwell" not in improvements_of(machine)[1]
@@ -78,7 +78,7 @@ def test_a_rest_that_nobody_stated_is_weighed_where_the_heat_binds() -> None:
         assert (choice.candidate.settling_time <= 1.001 * item.settling_time) is is_enough
 
 
-def test_what_the_control_lacks_or_has_on_is_not_offered() -> None:
+def test_what_the_control_lacks_or_has_on_is_not_offered():
     machine = read_shipped("honing-z").machine
     control = replace(
         machine.control,

@@ -31,9 +31,7 @@ def motion(move: Move, a: float, j: float) -> Trajectory:
     share=st.floats(0.05, 0.9),
 )
 @settings(max_examples=25, deadline=None)
-def test_a_velocity_step_gives_back_its_own_limits(
-    velocity: float, acceleration: float, share: float
-) -> None:
+def test_a_velocity_step_gives_back_its_own_limits(velocity, acceleration, share):
     """share < 1 is the ramp time over v/a: the acceleration is reached."""
     jerk = acceleration**2 / (share * velocity)
     move = VelocityStep(velocity_step=velocity)

@@ -30,10 +30,10 @@ MACHINES = [paper_machine(), random_modal_machine(3, n_modes=3)]
 )
 def test_a_corner_scales_frequencies_and_keeps_damping_ratios(
     machine,
-    payload: float,
-    frequency: float,
-    damping: float,  # type: ignore[no-untyped-def]
-) -> None:
+    payload,
+    frequency,
+    damping,  # type: ignore[no-untyped-def]
+):
     """A frequency spread must act through stiffness: the poles scale as a whole."""
     corner = Corner(payload=payload, frequency_factor=frequency, damping_factor=damping)
     varied = vary(machine, corner)
@@ -48,7 +48,7 @@ def test_a_corner_scales_frequencies_and_keeps_damping_ratios(
     assert np.allclose(scaled, frequency * poles, rtol=1e-12)
 
 
-def test_payload_turns_the_tower_only_with_a_radius() -> None:
+def test_payload_turns_the_tower_only_with_a_radius():
     """The definition: payload adds to the inertia only if payload_radius is given."""
     machine, corner = paper_machine(), Corner(payload=100.0)
     parts = vary(machine, corner).mechanics
@@ -60,7 +60,7 @@ def test_payload_turns_the_tower_only_with_a_radius() -> None:
     assert parts.rotary_inertia == pytest.approx(40.0 + 100.0 * 0.3**2)
 
 
-def test_corners_are_enumerated_with_the_nominal_machine_first() -> None:
+def test_corners_are_enumerated_with_the_nominal_machine_first():
     spreads = {"payload": (20.0, 100.0), "frequency_spread": 0.05, "damping_spread": 0.3}
     needs = replace(paper_machine().requirements, **spreads)
     first, *outer = corners(replace(paper_machine(), requirements=needs))
@@ -69,7 +69,7 @@ def test_corners_are_enumerated_with_the_nominal_machine_first() -> None:
     assert sorted(found) == sorted(product((20.0, 100.0), (0.95, 1.05), (0.7, 1.3)))
 
 
-def test_what_nobody_stated_is_said_by_its_name_and_value() -> None:
+def test_what_nobody_stated_is_said_by_its_name_and_value():
     """A profile of the least keys rests on all of it; its sheet says the same in the same words."""
     profile = read_shipped("milling-manipulator")
     plant, words = build_plant(profile.machine), Catalogue()
@@ -83,7 +83,7 @@ def test_what_nobody_stated_is_said_by_its_name_and_value() -> None:
     assert said[-1].startswith("tcp_height: the tool stands above the rotary joint")
 
 
-def test_the_encoder_is_neglected_until_its_resolution_is_stated() -> None:
+def test_the_encoder_is_neglected_until_its_resolution_is_stated():
     machine = paper_machine()
     fine = replace(machine, drive=replace(machine.drive, encoder_resolution=1e-7))
     gone = {one.kind for one in list_neglected(machine)} - {

@@ -17,7 +17,6 @@ from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.profile.read import parse_profile
 from mtcommission.setpoint.motion_limits import MotionLimits
 from tests import identify_files as made
-from tests.conftest import Run
 
 PROFILE = (Path(__file__).parent.parent / "profiles" / "ball-screw.toml").read_text("utf-8")
 FAR = """
@@ -34,7 +33,7 @@ def parse(more: str) -> Machine:
     return parse_profile(PROFILE + more, where="axis.toml")
 
 
-def test_a_state_is_the_plant_with_what_differs() -> None:
+def test_a_state_is_the_plant_with_what_differs():
     machine = parse(FAR)
     plain, far = machine.mechanics, vary(machine, Corner(state="far end")).mechanics
     assert far.moving_mass == 2700.0
@@ -48,7 +47,7 @@ def test_a_state_is_the_plant_with_what_differs() -> None:
     )
 
 
-def test_limits_are_judged_in_a_state_as_on_the_machine_that_is_always_in_it() -> None:
+def test_limits_are_judged_in_a_state_as_on_the_machine_that_is_always_in_it():
     machine = parse(FAR)
     plant, tuned = build_plant(machine), tune_loop(machine)
     limits = MotionLimits(acceleration=7.0, jerk=200.0)
@@ -78,7 +77,7 @@ def test_limits_are_judged_in_a_state_as_on_the_machine_that_is_always_in_it() -
         ("machine_states = 3", "machine_states"),
     ],
 )
-def test_what_cannot_be_is_said_at_its_place(more: str, said: str) -> None:
+def test_what_cannot_be_is_said_at_its_place(more, said):
     with pytest.raises(InputError) as refused:
         parse_profile(more + "\n" + PROFILE if "= 3" in more else PROFILE + more, where="axis.toml")
     assert any(said in str(fault) for fault in refused.value.faults)
@@ -92,9 +91,7 @@ def measure(path: Path, mass: float, frequency_hz: float, seed: int) -> str:
     return made.save_response(path, f, H, noise=0.025, seed=seed)
 
 
-def test_two_measured_payloads_become_states_and_the_sheet_names_the_one_that_binds(
-    run: Run, tmp_path: Path
-) -> None:
+def test_two_measured_payloads_become_states_and_the_sheet_names_the_one_that_binds(run, tmp_path):
     files = [
         measure(tmp_path / "empty.csv", 800.0, 42.0, 1),
         measure(tmp_path / "full.csv", 1000.0, 34.0, 2),

@@ -84,7 +84,7 @@ def _calls() -> Iterator[tuple[str, str, set[str]]]:
                     yield f"{path.name}:{node.lineno}", str(first.value), {str(n) for n in named}
 
 
-def test_every_text_exists_in_every_language_with_the_same_values() -> None:
+def test_every_text_exists_in_every_language_with_the_same_values():
     for language in LANGUAGES:
         own = {kind for kind in entries_of(language) if not kind.startswith("help-")}
         assert own == set(entries_of("en")), language
@@ -93,7 +93,7 @@ def test_every_text_exists_in_every_language_with_the_same_values() -> None:
             assert _parts(language, kind) == _parts("en", kind), f"{language}: {kind}"
 
 
-def test_every_line_of_the_files_is_of_a_text_and_every_key_of_one_file() -> None:
+def test_every_line_of_the_files_is_of_a_text_and_every_key_of_one_file():
     for language in LANGUAGES:
         seen: dict[str, str] = {}
         for path in sorted((SOURCE / "base" / "messages" / "texts" / language).glob("*.ftl")):
@@ -105,7 +105,7 @@ def test_every_line_of_the_files_is_of_a_text_and_every_key_of_one_file() -> Non
                     seen[key] = path.name
 
 
-def test_every_message_that_the_source_makes_has_a_text_with_its_values() -> None:
+def test_every_message_that_the_source_makes_has_a_text_with_its_values():
     for place, kind, values in _calls():
         assert kind in entries_of("en"), f"{place}: no text for {kind}"
         missing = _values("en", kind) - values
@@ -114,7 +114,7 @@ def test_every_message_that_the_source_makes_has_a_text_with_its_values() -> Non
 
 @pytest.mark.parametrize("rotary", [False, True], ids=["linear", "rotary"])
 @pytest.mark.parametrize("language", sorted(LANGUAGES))
-def test_every_text_can_be_said(language: str, *, rotary: bool) -> None:
+def test_every_text_can_be_said(language, *, rotary):
     catalogue = Catalogue(language, rotary=rotary)
     for kind in entries_of(language):
         if kind.startswith("-"):
@@ -125,7 +125,7 @@ def test_every_text_can_be_said(language: str, *, rotary: bool) -> None:
             assert "{" not in said, part
 
 
-def test_every_outcome_tells_what_was_computed_and_survives_a_process() -> None:
+def test_every_outcome_tells_what_was_computed_and_survives_a_process():
     """A worker of a sweep hands its error over; a kind without a text would hide the remedy."""
     for outcome in Outcome:
         error = ComputationError(outcome, Message("requirement-peak", signal="v_b"))
@@ -134,7 +134,7 @@ def test_every_outcome_tells_what_was_computed_and_survives_a_process() -> None:
         assert ": Höchstwert v_b: " in again.text(Catalogue("de"))
 
 
-def test_a_text_of_the_user_is_never_taken_for_one_of_ours() -> None:
+def test_a_text_of_the_user_is_never_taken_for_one_of_ours():
     """A machine called "settling time" is not translated; no sentence is found by its words."""
     for kind in entries_of("en"):
         if not _values("en", kind) and not kind.startswith("-"):
@@ -143,7 +143,7 @@ def test_a_text_of_the_user_is_never_taken_for_one_of_ours() -> None:
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
-def test_a_value_of_any_length_can_be_said(language: str) -> None:
+def test_a_value_of_any_length_can_be_said(language):
     """A column's name of 5000 letters ended in a traceback: Fluent takes no such value."""
     said = Catalogue(language).say(Message("record-both", first="x" * 5000, then="y" * 5000))
     assert said.startswith("x" * 1000)
@@ -153,7 +153,7 @@ def test_a_value_of_any_length_can_be_said(language: str) -> None:
 
 
 @pytest.mark.parametrize("language", ["en", "de"])
-def test_no_text_about_an_open_loop_axis_has_a_force(language: str) -> None:
+def test_no_text_about_an_open_loop_axis_has_a_force(language):
     """Its motor follows; what stands for a force there is the acceleration, by a placeable."""
     assert Catalogue(language, follows=True).text("word-f-set") == "a_set"
     word = {"en": "[Ff]orce", "de": "Kraft"}[language]

@@ -27,7 +27,6 @@ from mtcommission.machine.profile.read import parse_profile
 from mtcommission.machine.readers import MASSES, RATIOS, STIFFNESSES
 from mtcommission.record.record import load_record
 from mtcommission.verify.prediction import rebuild
-from tests.conftest import Run
 from tests.recorded_traces import Spoilt, record_moves, write_csv
 from tests.test_verify import limits_of
 
@@ -122,12 +121,12 @@ OMEGA = sqrt(2e6 * 80 / (20 * 60))
 
 
 @pytest.fixture(autouse=True)
-def kind(monkeypatch: pytest.MonkeyPatch) -> None:
+def kind(monkeypatch):
     monkeypatch.setitem(KINDS, Belt.kind, Belt)  # so that it is gone after the test
     register(Belt)
 
 
-def test_its_class_alone_gives_plant_corners_and_remarks() -> None:
+def test_its_class_alone_gives_plant_corners_and_remarks():
     machine = parse_profile(PROFILE, where="belt.toml")
     plant = build_plant(vary(machine, Corner(frequency_factor=1.1)))
     assert plant.states == ("x", "v", "q", "w", "F")
@@ -140,7 +139,7 @@ def test_its_class_alone_gives_plant_corners_and_remarks() -> None:
     assert any("belt" in str(remark) for remark in check_plausibility(weak))
 
 
-def test_its_faults_have_line_and_remedy_and_schema_and_questions_know_it() -> None:
+def test_its_faults_have_line_and_remedy_and_schema_and_questions_know_it():
     text = PROFILE.replace('"2 N/um"', '"2 kg"').replace("motor_mass", "motormass")
     with pytest.raises(InputError) as refused:
         parse_profile(text.replace('"belt"', '"belts"'), where="p.toml")
@@ -159,9 +158,7 @@ def test_its_faults_have_line_and_remedy_and_schema_and_questions_know_it() -> N
         parse_profile(held, where="p.toml")
 
 
-def test_it_goes_through_check_run_export_and_verify(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, run: Run
-) -> None:
+def test_it_goes_through_check_run_export_and_verify(tmp_path, monkeypatch, run):
     """A load that is heavier than its profile says comes back in the keys of this kind."""
     monkeypatch.chdir(tmp_path)
     Path("belt.toml").write_text(PROFILE, encoding="utf-8")

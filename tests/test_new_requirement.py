@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
 from math import inf
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -72,12 +71,12 @@ AXIS, BOUND = "honing-z", 0.2e-3
 
 
 @pytest.fixture
-def axis(monkeypatch: pytest.MonkeyPatch) -> Machine:
+def axis(monkeypatch):
     monkeypatch.setattr(register, "REGISTER", (*register.REGISTER, RIPPLE))
     return with_ripple(read_shipped(AXIS).machine, BOUND)
 
 
-def test_the_search_keeps_it_with_its_reserve_and_names_it(axis: Machine) -> None:
+def test_the_search_keeps_it_with_its_reserve_and_names_it(axis):
     """It holds the limits back, more than without it, and the sheet says so."""
     tuned = tune_loop(axis)
     choice = choose_limits(axis, tuned)
@@ -93,7 +92,7 @@ def test_the_search_keeps_it_with_its_reserve_and_names_it(axis: Machine) -> Non
     ]
 
 
-def test_no_size_in_no_corner_leaves_its_bound(axis: Machine) -> None:
+def test_no_size_in_no_corner_leaves_its_bound(axis):
     """The bound between two sizes that were looked at is derived for any signal."""
     tuned = tune_loop(axis)
     limits = MotionLimits(acceleration=9.0, jerk=280.0)
@@ -108,9 +107,7 @@ def test_no_size_in_no_corner_leaves_its_bound(axis: Machine) -> None:
 
 
 @page.needs_browser
-def test_the_page_judges_it_without_a_line_of_its_own(
-    axis: Machine, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_page_judges_it_without_a_line_of_its_own(axis, tmp_path, monkeypatch):
     """What is tried on the page would be called met where the program says missed."""
     monkeypatch.setattr(page, "read_machine", lambda _: axis)
     bench = page.build_bench(AXIS)

@@ -51,7 +51,7 @@ ON_MODES = [
     ("text", "old", "new", "kinds"),
     [(MANIPULATOR, *case) for case in ON_THE_PAPER] + [(MODAL, *case) for case in ON_MODES],
 )
-def test_what_is_unusual_is_said(text: str, old: str, new: str, kinds: str) -> None:
+def test_what_is_unusual_is_said(text, old, new, kinds):
     machine = parse_profile(changed(text, old, new), where="p.toml")
     said = [one.values.get("what", one) for one in check_plausibility(machine)]
     assert [one.kind for one in said] == kinds.split()
@@ -64,7 +64,7 @@ def remarks_on(text: str) -> str:
     return " | ".join(said).replace(THIN_SPACE, " ")
 
 
-def test_each_is_said_with_its_numbers() -> None:
+def test_each_is_said_with_its_numbers():
     assert remarks_on(changed(MODAL, '"40 Hz"', '"0.8 Hz"')) == (
         "mode beam: 0.8 Hz is slower than any machine structure; check stiffness and mass | "
         "mode beam: 0.8 Hz at a damping ratio of 0.02 rings for 45.8 s until 1 % is left | "
@@ -73,7 +73,7 @@ def test_each_is_said_with_its_numbers() -> None:
     )
 
 
-def test_a_rotary_axis_is_described_in_its_own_units() -> None:
+def test_a_rotary_axis_is_described_in_its_own_units():
     """Else the torque of a table would be given in newtons."""
     table = (PROFILES / "rotary-table.toml").read_text(encoding="utf-8")
     weak = re.sub(

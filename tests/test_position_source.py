@@ -84,7 +84,7 @@ def base_excited_residual(
 
 @pytest.mark.parametrize("item", [None, MZV, SetpointFilter(kind="zv", frequency_hz=45.0)])
 @pytest.mark.parametrize("acceleration", [4.0, 18.0])
-def test_residual_by_a_second_program(item: SetpointFilter | None, acceleration: float) -> None:
+def test_residual_by_a_second_program(item, acceleration):
     """Else the vibration that is printed is not that of a head behind a motor that follows."""
     machine = printer()
     limits = replace(without_jerk_limit(machine, acceleration), setpoint_filter=item)
@@ -131,7 +131,7 @@ def marlin_residual(
 
 @pytest.mark.parametrize("kind", ["marlin_zv", "marlin_mzv", "marlin_3hump_ei"])
 @pytest.mark.parametrize("wanted", [41.3, 52.0])
-def test_marlin_as_its_source_computes_it(kind: str, wanted: float) -> None:
+def test_marlin_as_its_source_computes_it(kind, wanted):
     """Else the sheet's promise is not what the samples of the firmware do."""
     machine, a = printer(), 11.7
     item = SetpointFilter(kind=kind, frequency_hz=wanted, damping_ratio=0.05)
@@ -145,7 +145,7 @@ def test_marlin_as_its_source_computes_it(kind: str, wanted: float) -> None:
     assert response.residual_deviation == pytest.approx(expected, abs=resolution)
 
 
-def test_the_acceleration_judged_is_that_of_the_setpoint_behind_its_filter() -> None:
+def test_the_acceleration_judged_is_that_of_the_setpoint_behind_its_filter():
     """A motor follows the steps that come out of the filter, and loses them beyond its limit."""
     machine, item = printer(), SetpointFilter(kind="zvd", frequency_hz=48.0)
     move, limits = machine.moves[0], MotionLimits(acceleration=50.3, jerk=5030.0)
@@ -158,10 +158,10 @@ def test_the_acceleration_judged_is_that_of_the_setpoint_behind_its_filter() -> 
     assert response.max_force == pytest.approx(asked, rel=1e-2)
 
 
-def test_torque_that_falls_with_speed_bounds_acceleration_and_velocity() -> None:
+def test_torque_that_falls_with_speed_bounds_acceleration_and_velocity():
     """Else the motor would lose steps where it is fastest."""
 
-    def curve(*points: tuple[float, float]) -> str:
+    def curve(*points):
         rows = ", ".join(f"{{ velocity = {v}, acceleration = {a} }}" for v, a in points)
         stated = 'max_acceleration = "20 m/s^2"\n'
         assert stated in PRINTER
@@ -203,14 +203,14 @@ def faults_of(text: str) -> list[str]:
          "requirements.frequency_spread"),
     ],
 )  # fmt: skip
-def test_keys_that_mean_nothing_here(old: str, new: str, fault: str) -> None:
+def test_keys_that_mean_nothing_here(old, new, fault):
     """Else somebody believes that a mass, a loop or a payload was looked at."""
     assert old in PRINTER
     faults = [text.split(": ", 1)[1] for text in faults_of(PRINTER.replace(old, new))]
     assert fault in faults
 
 
-def test_record_tells_no_loop() -> None:
+def test_record_tells_no_loop():
     """Gains and margins that nobody tuned must not be read off a record."""
     machine = printer()
     listed = replace(machine, requirements=replace(machine.requirements, every_size=False))
@@ -231,7 +231,7 @@ def test_record_tells_no_loop() -> None:
         assert (said == "no limit") == (cycles <= 1.0001)
 
 
-def test_the_model_for_python_control_moves_as_the_setpoint_says() -> None:
+def test_the_model_for_python_control_moves_as_the_setpoint_says():
     """A servo's loop in its place would be what somebody at a prompt simulates."""
     machine = parse_profile(PRINTER, where="printer.toml")
     tuned = tune_loop(machine)
@@ -260,7 +260,7 @@ MODES = ((45.0, 0.04, 0.8), (97.0, 0.03, 0.2))
     ],
     ids=lambda item: item.kind if item else "none",
 )
-def test_corner_velocity_leaves_just_the_band(item: SetpointFilter | None) -> None:
+def test_corner_velocity_leaves_just_the_band(item):
     """If it failed, square_corner_velocity would ring beyond the band, or be needlessly small.
 
     Each copy of the step takes its part of dv off q'; an average spreads it evenly, here over a

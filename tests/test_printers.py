@@ -8,7 +8,7 @@ from benchmarks.printers import BEHIND, compare
 
 
 @pytest.mark.parametrize("seed", [2, 9, 29, 207])
-def test_our_choice_is_not_behind_the_best_textbook_shaper(seed: int) -> None:
+def test_our_choice_is_not_behind_the_best_textbook_shaper(seed):
     """If it failed, a printer would be slower than with a shaper from a textbook.
 
     9: a wide spread, whose fast end leads behind a shaper but not before it; 29: the worst size

@@ -93,7 +93,7 @@ def changed(text: str, old: str, new: str) -> str:
 # What a whole profile says
 
 
-def test_a_table_that_is_assumed_covers_its_keys() -> None:
+def test_a_table_that_is_assumed_covers_its_keys():
     text = changed(MODAL, 'source = "s"', 'source = "s"\nassumed = ["plant.modes", "drive"]')
     machine = parse_profile(text, where="p.toml")
     assert machine.is_assumed("plant.modes[1].frequency")
@@ -102,7 +102,7 @@ def test_a_table_that_is_assumed_covers_its_keys() -> None:
     assert not machine.is_assumed("drives")
 
 
-def test_the_milling_profile_is_table_1_christiansen_maurer_zirn() -> None:
+def test_the_milling_profile_is_table_1_christiansen_maurer_zirn():
     machine, paper = read_profile(PROFILES / "milling-manipulator.toml"), paper_machine()
     assert machine.mechanics == paper.mechanics
     assert machine.drive == paper.drive
@@ -115,7 +115,7 @@ def test_the_milling_profile_is_table_1_christiansen_maurer_zirn() -> None:
     assert weights == {"x_b": 1.8858e15, "phi": 1.0961e15, "v_b": 8.6070e10, "v_phi": 2.8505e10}
 
 
-def test_every_key_of_the_interface_reaches_the_machine() -> None:
+def test_every_key_of_the_interface_reaches_the_machine():
     text = changed(MANIPULATOR, '"2 kN"\n', '"2 kN"\nlead = "10 mm"\ngear = 2\n')
     text += """\
 max_settling_time = "0.2 s"
@@ -203,7 +203,7 @@ TODAY = {"acceleration": 2.0, "jerk": 40.0, "position_gain": 60.0, "integral_tim
          "setpoint_filter": AVERAGE}  # fmt: skip
 
 
-def test_a_rotary_axis_takes_inertia_torque_and_angle() -> None:
+def test_a_rotary_axis_takes_inertia_torque_and_angle():
     text = (
         MODAL.replace('axis = "X"', 'axis = "C"\nmotion = "rotary"')
         .replace('"300 kg"', '"3 kg m^2"')
@@ -222,7 +222,7 @@ def test_a_rotary_axis_takes_inertia_torque_and_angle() -> None:
     ]
 
 
-def test_spreads_reserve_and_kind_are_assumed_unless_stated() -> None:
+def test_spreads_reserve_and_kind_are_assumed_unless_stated():
     """None of them must be silently nothing: limits without spread break with 1 % of frequency."""
     machine = parse_profile(MANIPULATOR, where="p.toml")
     needs = machine.requirements
@@ -248,7 +248,7 @@ def test_spreads_reserve_and_kind_are_assumed_unless_stated() -> None:
     )
 
 
-def test_a_rest_and_the_place_of_the_loop_are_assumed_where_they_decide() -> None:
+def test_a_rest_and_the_place_of_the_loop_are_assumed_where_they_decide():
     """A rest heats only a motor whose heat is limited; DSC only where there is a choice."""
     heated = MANIPULATOR.replace("[drive]\n", '[drive]\ncontinuous_force = "900 N"\n')
     assert parse_profile(heated, where="p.toml").is_assumed("moves[1].dwell")
@@ -261,7 +261,7 @@ def test_a_rest_and_the_place_of_the_loop_are_assumed_where_they_decide() -> Non
         assert machine.is_assumed("control.position_loop") is has_choice
 
 
-def test_a_kind_of_control_brings_its_own_defaults() -> None:
+def test_a_kind_of_control_brings_its_own_defaults():
     control = parse_profile(MANIPULATOR + '[control]\nkind = "plcopen"\n', where="p.toml").control
     kind = KINDS["plcopen"]
     assert control.kind is kind
@@ -454,24 +454,24 @@ def cases(text: str) -> list[tuple[str, str, list[str]]]:
 
 
 @pytest.mark.parametrize(("old", "new", "expected"), cases(FAULTS))
-def test_every_fault_has_its_line(old: str, new: str, expected: list[str]) -> None:
+def test_every_fault_has_its_line(old, new, expected):
     """All at once and in order; a control that lacks a key refuses it; a wrong kind hides none."""
     assert faults_in(changed(MANIPULATOR, old, new)) == expected
 
 
 @pytest.mark.parametrize(("old", "new", "expected"), cases(FAULTS_OF_MODES))
-def test_so_has_every_fault_of_modes(old: str, new: str, expected: list[str]) -> None:
+def test_so_has_every_fault_of_modes(old, new, expected):
     assert faults_in(changed(MODAL, old, new)) == expected
 
 
-def test_too_many_modes_are_refused() -> None:
+def test_too_many_modes_are_refused():
     mode = '[[plant.modes]]\nname = "m{}"\nfrequency = 1{}\ndamping_ratio = 0\ntcp_gain = 0\n'
     assert faults_in(MODAL + "".join(mode.format(i, i) for i in range(7))) == [
         "p.toml:9: plant.modes: got too many elements, at most 8 allowed"
     ]
 
 
-def test_missing_tables_are_asked_for() -> None:
+def test_missing_tables_are_asked_for():
     assert faults_in("schema = 1\n") == [
         "p.toml:1: machine: missing; add a table [machine]",
         "p.toml:1: plant: missing; add a table [plant]",
@@ -481,7 +481,7 @@ def test_missing_tables_are_asked_for() -> None:
     ]
 
 
-def test_a_fault_in_the_plant_raises_no_echo_in_the_peaks() -> None:
+def test_a_fault_in_the_plant_raises_no_echo_in_the_peaks():
     text = changed(MANIPULATOR, '"manipulator"', '"robot"') + "peaks = { v_phi = 1 }\n"
     assert len(faults_in(text)) == 1
 
@@ -514,14 +514,14 @@ def fault_of_file(path: Path) -> Fault:
         (b"#" * 200_001, 0, "is larger than 200000 bytes; that is no such file"),
     ],
 )  # fmt: skip
-def test_a_file_that_is_no_profile(tmp_path: Path, data: bytes, line: int, message: str) -> None:
+def test_a_file_that_is_no_profile(tmp_path, data, line, message):
     path = tmp_path / "p.toml"
     path.write_bytes(data)
     place = f"{path}:{line}" if line else str(path)
     assert str(fault_of_file(path)) == f"{place}: {message}"
 
 
-def test_no_file_and_a_directory(tmp_path: Path) -> None:
+def test_no_file_and_a_directory(tmp_path):
     assert (
         str(fault_of_file(tmp_path / "x"))
         == f"{tmp_path / 'x'}: there is no such file; check the name"
@@ -532,7 +532,7 @@ def test_no_file_and_a_directory(tmp_path: Path) -> None:
     assert "cannot be read" in str(fault_of_file(Path("a\0b")))
 
 
-def test_byte_order_mark_and_windows_line_ends_change_nothing(tmp_path: Path) -> None:
+def test_byte_order_mark_and_windows_line_ends_change_nothing(tmp_path):
     path = tmp_path / "p.toml"
     path.write_bytes(b"\xef\xbb\xbf" + MILLING.replace("\n", "\r\n").encode())
     assert read_profile(path) == parse_profile(MILLING, where="")
@@ -543,7 +543,7 @@ def test_byte_order_mark_and_windows_line_ends_change_nothing(tmp_path: Path) ->
 # Lines
 
 
-def test_lines_survive_comments_strings_arrays_and_indented_tables() -> None:
+def test_lines_survive_comments_strings_arrays_and_indented_tables():
     """A fault told at another line sends the user to a key that is right."""
     text = changed(MANIPULATOR, '"s"', '"""\n[drive]\nmax_force = 1\n"""  # [drive] in a comment')
     text = changed(text, '"2 kN"', "'C:\\'  # = [[moves]]")
@@ -562,5 +562,5 @@ def test_lines_survive_comments_strings_arrays_and_indented_tables() -> None:
     ]
 
 
-def test_the_page_of_keys_is_the_schema() -> None:
+def test_the_page_of_keys_is_the_schema():
     assert PAGE.read_text("utf-8") == write_page(), "run: python -m tests.profile_page"

@@ -15,7 +15,6 @@ from threadpoolctl import threadpool_info, threadpool_limits
 
 import mtcommission
 from mtcommission.base.errors import InputError
-from mtcommission.commission.commission import Commissioning
 
 DOCS = Path(__file__).parent.parent / "docs" / "python.md"
 
@@ -49,18 +48,18 @@ setpoint_filter = "none"
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("python")
     (folder / "axis.toml").write_text(SMALL, "utf-8")
     return folder
 
 
 @pytest.fixture(scope="module")
-def found(folder: Path) -> Commissioning:
+def found(folder):
     return mtcommission.run(folder / "axis.toml")
 
 
-def test_importing_the_package_loads_nothing_heavy() -> None:
+def test_importing_the_package_loads_nothing_heavy():
     """Whoever only asks for the version must not wait for numpy."""
     code = (
         "import sys, mtcommission; print(sorted({'numpy', 'typer', 'control'} & set(sys.modules)))"
@@ -69,7 +68,7 @@ def test_importing_the_package_loads_nothing_heavy() -> None:
     assert done.stdout.strip() == "[]"
 
 
-def test_a_prompt_and_a_notebook_show_the_verdict_and_what_to_type_in(found: Commissioning) -> None:
+def test_a_prompt_and_a_notebook_show_the_verdict_and_what_to_type_in(found):
     """250 kB of dataclass bury both; names of the user are no markup."""
     line, html = repr(found), found._repr_html_()
     best = found.recommended.limits
@@ -86,7 +85,7 @@ def test_a_prompt_and_a_notebook_show_the_verdict_and_what_to_type_in(found: Com
     assert "Small <b>" not in html
 
 
-def test_what_misses_its_requirements_says_so(found: Commissioning) -> None:
+def test_what_misses_its_requirements_says_so(found):
     check = replace(found.assessment.checks[0], value=np.inf, is_met=False)
     missed = replace(found.recommended, assessment=replace(found.assessment, checks=(check,)))
     worse = replace(found, choice=replace(found.choice, candidate=missed))
@@ -95,7 +94,7 @@ def test_what_misses_its_requirements_says_so(found: Commissioning) -> None:
     assert "not settled" in worse._repr_html_()
 
 
-def test_the_plot_shows_every_corner_in_its_unit(found: Commissioning) -> None:
+def test_the_plot_shows_every_corner_in_its_unit(found):
     upper, lower = found.plot().axes
     response = found.moves[0].responses[0]
     nominal = next(line for line in upper.get_lines() if line.get_label() == "Nominal machine")
@@ -109,7 +108,7 @@ def test_the_plot_shows_every_corner_in_its_unit(found: Commissioning) -> None:
     assert sorted(limits) == [-1.0, 1.0]  # kN
 
 
-def test_a_record_holds_the_profile_that_was_run(found: Commissioning, folder: Path) -> None:
+def test_a_record_holds_the_profile_that_was_run(found, folder):
     record = mtcommission.make_record(found)
     assert record.profile.name == "axis.toml"
     assert record.profile.text == (folder / "axis.toml").read_text("utf-8")
@@ -117,9 +116,7 @@ def test_a_record_holds_the_profile_that_was_run(found: Commissioning, folder: P
         mtcommission.make_record(replace(found, profile=None))
 
 
-def test_the_documented_lines_run(
-    found: Commissioning, folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_documented_lines_run(found, folder, monkeypatch):
     """Names, shapes and units of the time series are what docs/python.md says."""
     monkeypatch.chdir(folder)
     monkeypatch.setattr(mtcommission, "run", lambda _: found)
@@ -137,13 +134,11 @@ def test_the_documented_lines_run(
     assert (folder / "sheet.pdf").read_bytes().startswith(b"%PDF")
 
 
-def test_a_run_uses_one_thread_whatever_the_process_allows(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_run_uses_one_thread_whatever_the_process_allows(folder, monkeypatch):
     """The commands set it from outside: in a notebook the digits came from other orders of sums."""
     seen: list[set[int]] = []
 
-    def look(*_: object, **__: object) -> None:
+    def look(*_, **__):
         seen.append({one["num_threads"] for one in threadpool_info() if one["user_api"] == "blas"})
 
     monkeypatch.setattr("mtcommission.commission.commission.commission", look)

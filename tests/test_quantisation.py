@@ -73,7 +73,7 @@ def tremble(seed: int) -> tuple[float, float, Array, Array, Array]:
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_rounding_stays_within_the_noise_that_is_counted(seed: int) -> None:
+def test_rounding_stays_within_the_noise_that_is_counted(seed):
     """Limits would fill a band that a coarse encoder then leaves, or a force that it exceeds."""
     steps, _, tool, force, t = tremble(seed)
     for part in (t < 0.0, t > REST):

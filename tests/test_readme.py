@@ -38,12 +38,7 @@ def call(line: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> int:
     return int(ended.value.code or 0)
 
 
-def test_the_first_command_prints_what_readme_shows(
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-    request: pytest.FixtureRequest,
-) -> None:
+def test_the_first_command_prints_what_readme_shows(tmp_path, monkeypatch, capsys, request):
     """It writes all files; the sheet printed again from the record alone equals that of the run."""
     commands, shown = blocks()[:2]
     line = commands.splitlines()[0].split(" && ")[1]
@@ -76,9 +71,7 @@ def test_the_first_command_prints_what_readme_shows(
     assert max(a.max() for a in reached) == pytest.approx(limits.acceleration, rel=2e-3)
 
 
-def test_the_way_of_an_axis_can_be_typed_as_it_stands(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_way_of_an_axis_can_be_typed_as_it_stands(tmp_path, monkeypatch, capsys):
     """From the measured response to a move that holds.
 
     Where other limits are recommended, ``python -m tests.measured_example`` makes the move anew.

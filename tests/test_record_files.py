@@ -34,7 +34,7 @@ def sealed(record, path: Path) -> Path:
         lambda r: r["loop"]["force_filters"][0].update(kind="x"),
     ],
 )
-def test_another_form_is_refused(break_it, tmp_path: Path) -> None:
+def test_another_form_is_refused(break_it, tmp_path):
     """Another version wrote it; without its sum it was edited."""
     record = example_record()
     load_record(sealed(record, tmp_path / "good.json"))
@@ -46,7 +46,7 @@ def test_another_form_is_refused(break_it, tmp_path: Path) -> None:
         load_record(tmp_path / "edited.json")
 
 
-def test_a_number_beyond_all_floats_is_no_number(tmp_path: Path) -> None:
+def test_a_number_beyond_all_floats_is_no_number(tmp_path):
     """The checksum of such a record could not even be computed."""
     path, mark = sealed(example_record(), tmp_path / "record.json"), f'"schema": {SCHEMA}'
     path.write_text(path.read_text("utf-8").replace(mark, f'"x": 1e999, {mark}'))
@@ -54,9 +54,7 @@ def test_a_number_beyond_all_floats_is_no_number(tmp_path: Path) -> None:
         load_record(path)
 
 
-def test_a_fault_of_ours_is_no_fault_of_the_record(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_a_fault_of_ours_is_no_fault_of_the_record(monkeypatch, tmp_path):
     """It was told as "the record contradicts itself", and nobody would have reported it."""
     monkeypatch.setattr("mtcommission.sheet.content.print_html", lambda *_, **__: [][0])
     path = sealed(example_record(), tmp_path / "record.json")
@@ -65,7 +63,7 @@ def test_a_fault_of_ours_is_no_fault_of_the_record(
     assert "internal error, please report it" in said
 
 
-def test_damaged_records_are_refused(tmp_path: Path) -> None:
+def test_damaged_records_are_refused(tmp_path):
     """Bytes lost, doubled or changed, as disks, editors and mail leave a file."""
     path, whole = tmp_path / "record.json", sealed(example_record(), tmp_path / "whole.json")
     good = whole.read_text("utf-8")
@@ -93,7 +91,7 @@ def with_profile(name: str, data: list[Datum]) -> Record:
     ("name", "key"),
     [("rotary-table", "drive.max_force"), ("printer-belt", "drive.max_acceleration")],
 )
-def test_the_force_limit_is_that_of_the_run(name: str, key: str) -> None:
+def test_the_force_limit_is_that_of_the_run(name, key):
     """If it failed, a run with --f-max would be exported and verified with the profile's force."""
     datum = Datum(key=key, value=12.5, unit="", source="")
     assert read_machine(with_profile(name, [datum])).drive.max_force == 12.5

@@ -77,9 +77,7 @@ def compare(
 
 @pytest.mark.parametrize("position_loop", PositionLoop)
 @pytest.mark.parametrize("variant", VARIANTS)
-def test_papers_machine_agrees_with_a_second_program(
-    variant: str, position_loop: PositionLoop
-) -> None:
+def test_papers_machine_agrees_with_a_second_program(variant, position_loop):
     """A dead time, a gain or a filter would act otherwise than the docstrings say."""
     machine = quiet_copy(paper_machine(), position_loop=position_loop, **VARIANTS[variant])
     tuned = tune_loop(machine)
@@ -88,7 +86,7 @@ def test_papers_machine_agrees_with_a_second_program(
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_random_machines_agree_in_a_corner(seed: int) -> None:
+def test_random_machines_agree_in_a_corner(seed):
     """The controller believes in the nominal machine while the plant is another."""
     machine = random_modal_machine(seed, n_modes=1 + seed % 4)
     needs = replace(
@@ -105,7 +103,7 @@ def test_random_machines_agree_in_a_corner(seed: int) -> None:
 
 
 @pytest.mark.parametrize("move", [STEP, TRAVEL])
-def test_saturated_motion_agrees_with_a_second_program(move: Move) -> None:
+def test_saturated_motion_agrees_with_a_second_program(move):
     """Anti-windup holds the integrator exactly while the force is at its limit."""
     machine = paper_machine()
     response = compare(machine, tune_loop(machine), move, 0.97)

@@ -86,14 +86,14 @@ def broken_requirements(machine: Machine, shares: Sequence[float] = (1.0,)) -> l
 
 
 @pytest.mark.parametrize("name", ["honing-z", "milling-manipulator"])
-def test_shipped_profile(name: str) -> None:
+def test_shipped_profile(name):
     """If it failed, a sheet would promise what an outsider's simulation refutes."""
     machine = read_profile(next(path for path in PROFILES if path.stem == name))
     assert broken_requirements(machine) == []
 
 
 @pytest.mark.parametrize(("seed", "position_loop"), list(zip([2, 5, 8], PositionLoop, strict=True)))
-def test_random_machine(seed: int, position_loop: PositionLoop) -> None:
+def test_random_machine(seed, position_loop):
     """If it failed, the promise would hold on the shipped examples, or for one loop, alone."""
     machine = quiet_copy(random_machine(seed), position_loop=position_loop)
     assert broken_requirements(machine) == []

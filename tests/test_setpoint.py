@@ -26,9 +26,7 @@ positive = st.floats(min_value=-1.0, max_value=1.0).map(lambda e: 10.0**e)
     kind=st.sampled_from(["step", "move", "limited"]),
 )
 @settings(max_examples=150, deadline=None)
-def test_closed_form_agrees_with_ruckig(
-    a: float, ramp: float, size: float, velocity: float, kind: str
-) -> None:
+def test_closed_form_agrees_with_ruckig(a, ramp, size, velocity, kind):
     """The search would rank other motions than the control then executes."""
     move: Move
     if kind == "step":
@@ -55,7 +53,7 @@ def test_closed_form_agrees_with_ruckig(
     assert np.max(np.abs(ruckig[:, 2])) <= a * (1 + 1e-8)
 
 
-def test_seven_segment_duration_of_textbooks() -> None:
+def test_seven_segment_duration_of_textbooks():
     """T = d/v + v/a + a/j: 0.95 s for 0.4 m, 0.5 m/s, 5 m/s², 100 m/s³."""
     move = Positioning(distance=0.4, max_velocity=0.5)
     setpoint = plan_setpoint(move, MotionLimits(acceleration=5.0, jerk=100.0))
@@ -63,7 +61,7 @@ def test_seven_segment_duration_of_textbooks() -> None:
     assert sample_setpoint(setpoint, np.array([setpoint.duration]))[0, 0] == 0.4
 
 
-def test_border_on_which_ruckig_fails_is_stepped_over() -> None:
+def test_border_on_which_ruckig_fails_is_stepped_over():
     """The commissioning rule aims at whole periods, so it hits such borders exactly."""
     move = Positioning(distance=0.05, max_velocity=0.5)
     limits = MotionLimits(acceleration=2.290509129054942, jerk=21.92441611715322)
@@ -75,12 +73,12 @@ def test_border_on_which_ruckig_fails_is_stepped_over() -> None:
     assert sample_setpoint(found, np.array([found.duration]))[0, 0] == 0.05
 
 
-def test_ruckigs_refusal_becomes_a_named_outcome() -> None:
+def test_ruckigs_refusal_becomes_a_named_outcome():
     with pytest.raises(ComputationError, match="setpoint failed"):
         plan_setpoint(VelocityStep(velocity_step=0.1), MotionLimits(acceleration=-1.0, jerk=1.0))
 
 
-def test_the_package_never_sets_waypoints() -> None:
+def test_the_package_never_sets_waypoints():
     """Ruckig's Community build would send them to a server on the network."""
     sources = Path(mtcommission.__file__).parent.rglob("*.py")
     assert not [file for file in sources if "intermediate_positions" in file.read_text("utf-8")]

@@ -40,7 +40,7 @@ def vibration(item: SetpointFilter, ratio: float, damping: float = 0.0) -> float
 
 @pytest.mark.parametrize("damping", [0.0, 0.02, 0.2])
 @pytest.mark.parametrize("kind", ["zv", "zvd", "mzv"])
-def test_singer_seering_1990_zeros(kind: str, damping: float) -> None:
+def test_singer_seering_1990_zeros(kind, damping):
     """If it failed, these would not cancel the mode they are designed for."""
     assert vibration(design(kind, damping), 1.0, damping) < 1e-12
     if kind == "zvd":  # and its slope
@@ -51,9 +51,7 @@ def test_singer_seering_1990_zeros(kind: str, damping: float) -> None:
     ("kind", "width"),
     [("marlin_ei", 0.399), ("marlin_2hump_ei", 0.726), ("marlin_3hump_ei", 0.965)],
 )
-def test_singhose_humps_tolerate_five_per_cent_over_the_published_width(
-    kind: str, width: float
-) -> None:
+def test_singhose_humps_tolerate_five_per_cent_over_the_published_width(kind, width):
     """If it failed, the robust shapers would be robust in name only."""
     item = SetpointFilter(kind=kind, frequency_hz=50.0)  # 10 ms apart: on Marlin's grid as it is
     ratios = np.linspace(1.0, 1.6, 6001)
@@ -72,9 +70,7 @@ def test_singhose_humps_tolerate_five_per_cent_over_the_published_width(
         ("3hump_ei", (0.543, 0.818, 1.179, 1.49), 0.51, 1.48),
     ],
 )
-def test_klipper_2025_ei_family_meets_its_damped_conditions(
-    kind: str, zeros: tuple[float, ...], low: float, high: float, damping: float
-) -> None:
+def test_klipper_2025_ei_family_meets_its_damped_conditions(kind, zeros, low, high, damping):
     """If it failed, a figure of the fit would be wrong: five per cent at the top of each hump, as
     good as nothing between them, over the band of the published insensitivity."""
     item = design(kind, damping)
@@ -92,7 +88,7 @@ def test_klipper_2025_ei_family_meets_its_damped_conditions(
 
 
 @pytest.mark.parametrize("kind", [kind for kind in SHAPERS if kind.startswith("marlin_")])
-def test_marlin_s_copies_lie_on_its_samples_and_fade_by_half_periods(kind: str) -> None:
+def test_marlin_s_copies_lie_on_its_samples_and_fade_by_half_periods(kind):
     """If it failed, the firmware would shape otherwise than was simulated (shaping.cpp)."""
     zeta = 0.05
     item, plain = design(kind, zeta), np.array(design(kind).impulses.shares)
@@ -109,9 +105,7 @@ def test_marlin_s_copies_lie_on_its_samples_and_fade_by_half_periods(kind: str) 
 
 @pytest.mark.parametrize("item", FILTERS, ids=lambda item: item.kind)
 @pytest.mark.parametrize("move", [VelocityStep(velocity_step=0.1), Positioning(distance=0.03)])
-def test_filtered_setpoint_is_that_of_the_second_program(
-    move: VelocityStep | Positioning, item: SetpointFilter
-) -> None:
+def test_filtered_setpoint_is_that_of_the_second_program(move, item):
     """If it failed, limits would be judged on a motion that no control produces."""
     limits = MotionLimits(acceleration=2.0, jerk=150.0, setpoint_filter=item)
     ours = plan_setpoint(move, limits)

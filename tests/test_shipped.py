@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import tomllib
 from math import pi, sqrt
-from pathlib import Path
 
 import pytest
 
@@ -15,7 +14,6 @@ from mtcommission.machine.checks import check_plausibility
 from mtcommission.machine.plant.modal import Modal
 from mtcommission.machine.profile import shipped
 from mtcommission.machine.profile.shipped import describe_shipped, read_shipped, shipped_names
-from tests.conftest import Run
 
 NAMES = shipped_names()
 
@@ -25,7 +23,7 @@ SCREW = 1 / (1.4 / (pi / 4 * 0.063**2 * 2.06e11) + 1 / 2e9 + 1 / 1e9)
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_every_number_has_a_source_and_nothing_is_unusual(name: str) -> None:
+def test_every_number_has_a_source_and_nothing_is_unusual(name):
     """An example that triggers warnings teaches people to ignore warnings."""
     profile = read_shipped(name)
     assert profile.machine.source.strip()
@@ -47,9 +45,7 @@ def test_every_number_has_a_source_and_nothing_is_unusual(name: str) -> None:
         ("ball-screw", ROTOR, 2500.0, sqrt(SCREW / 2500.0) / (2.0 * pi)),
     ],
 )
-def test_derivations_in_the_comments_give_the_numbers(
-    name: str, motor: float, load: float, held_hz: float
-) -> None:
+def test_derivations_in_the_comments_give_the_numbers(name, motor, load, held_hz):
     """Two masses and a spring, as each file's head derives them, to the digits printed."""
     machine = read_shipped(name).machine
     (mode,) = machine.mechanics.modes
@@ -61,7 +57,7 @@ def test_derivations_in_the_comments_give_the_numbers(
     assert mode.measured_gain == pytest.approx(load / (motor * whole), rel=1e-3)
 
 
-def test_the_printer_is_what_its_comment_derives() -> None:
+def test_the_printer_is_what_its_comment_derives():
     """Held motor: the export must write what an accelerometer shows, not the free frequency."""
     machine = read_shipped("printer-belt").machine
     radius = 0.04 / (2.0 * pi)
@@ -73,7 +69,7 @@ def test_the_printer_is_what_its_comment_derives() -> None:
     assert machine.drive.max_velocity == pytest.approx(1.25)
 
 
-def test_list_show_and_copy(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_list_show_and_copy(run, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     code, listed, _ = run("profiles", "list")
     assert code == 0
@@ -91,9 +87,7 @@ def test_list_show_and_copy(run: Run, tmp_path: Path, monkeypatch: pytest.Monkey
     assert 'did you mean "rotary-table"' in error
 
 
-def test_profiles_inside_the_package_are_found_first(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_profiles_inside_the_package_are_found_first(tmp_path, monkeypatch):
     """A wheel puts them into the package; nothing lies beside it then."""
     package = tmp_path / "mtcommission"
     (package / "profiles").mkdir(parents=True)

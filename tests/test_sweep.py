@@ -14,7 +14,6 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator
 from contextlib import closing, suppress
 from dataclasses import replace
 from functools import partial
@@ -40,10 +39,9 @@ from mtcommission.sweep.lanes import Engine, solve_pieces
 from mtcommission.sweep.library import sweep
 from mtcommission.sweep.plan import Axis, Plan, Quantity, read_axis, read_range, vary_profile
 from mtcommission.sweep.request import check_plan, read_cases, read_plan
-from mtcommission.sweep.solve import Answer, Work, columns, solve_case
+from mtcommission.sweep.solve import columns, solve_case
 from mtcommission.sweep.store import LOCK, NAME, hold_folder
 from mtcommission.sweep.table import SweepTable, print_sweep, read_table, summarise, write_table
-from tests.conftest import Run
 from tests.machines import paper_machine
 from tests.test_sheet_browser import CHROMIUM, TELL, browse
 
@@ -57,7 +55,7 @@ SMALL_PIECES = "import mtcommission.sweep.plan as plan; plan.PIECE = 4"
 
 
 @pytest.fixture(autouse=True, scope="module")
-def _small_pieces() -> Iterator[None]:
+def _small_pieces():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("mtcommission.sweep.plan.PIECE", 4)
         yield
@@ -79,7 +77,7 @@ MASSES_PLAN = plan_of(read_axis(MASSES, where="--vary"))
 
 
 @pytest.fixture(scope="module")
-def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> pl.DataFrame:
+def undisturbed(tmp_path_factory):
     """The rows of the sweep over masses without any interruption."""
     return frame_of(MASSES_PLAN, tmp_path_factory.mktemp("whole"))
 
@@ -107,7 +105,7 @@ def resumed(folder: Path) -> pl.DataFrame:
 # What varies
 
 
-def test_ranges_are_what_they_say() -> None:
+def test_ranges_are_what_they_say():
     """A range that is off by one point or in another unit would sweep other machines."""
     values = [row[0] for row in read_range("0.5kN:4kN:8", where="")]
     assert (values[0], values[1], values[-1]) == ("0.5 kN", "1.0 kN", "4.0 kN")
@@ -122,7 +120,7 @@ def test_ranges_are_what_they_say() -> None:
     assert read_range("auto, 3 ms", where="") == (("auto",), ("3 ms",))
 
 
-def test_grid_and_pairs_cover_what_they_should() -> None:
+def test_grid_and_pairs_cover_what_they_should():
     """The last axis runs fastest; pairs go value by value."""
     a = Axis(keys=("plant.slider_mass",), rows=(("1",), ("2",)))
     b = Axis(keys=("drive.max_force", "drive.force_lag"), rows=(("5", "6"), ("7", "8")))
@@ -139,7 +137,7 @@ def test_grid_and_pairs_cover_what_they_should() -> None:
         check_plan(plan_of(a, a))
 
 
-def test_profile_of_a_case_differs_in_its_keys_alone() -> None:
+def test_profile_of_a_case_differs_in_its_keys_alone():
     """Comments, order and lines stay, so that the reader's messages name the right line, and any
     text arrives as it is."""
     word, text = 'a "quoted" \\1 \\ @1', TEXT.replace('axis = "X"', 'axis = "@0"', 1)
@@ -161,7 +159,7 @@ def test_profile_of_a_case_differs_in_its_keys_alone() -> None:
 
 
 @pytest.mark.parametrize("mark", [",", ";", "\t"])
-def test_a_table_saved_by_a_spreadsheet_is_read(tmp_path: Path, mark: str) -> None:
+def test_a_table_saved_by_a_spreadsheet_is_read(tmp_path, mark):
     """Semicolons, tabs, a byte order mark, empty lines at the end, units in the header."""
     lines = [["f_max [kN]", "plant.slider_mass [t]"], ["2", "0.7"], ["", ""], ["3", "0.8"], [""]]
     table = tmp_path / "cases.csv"
@@ -186,7 +184,7 @@ def test_a_table_saved_by_a_spreadsheet_is_read(tmp_path: Path, mark: str) -> No
         ('f_max\n"' + "2" * 200_000 + '"\n', "c.csv:2: is no CSV"),
     ],
 )
-def test_a_wrong_table_names_its_line(tmp_path: Path, text: str, message: str) -> None:
+def test_a_wrong_table_names_its_line(tmp_path, text, message):
     """Nobody searches thousands of lines for the one that is refused, nor gets 500 kN for 500 N."""
     table = tmp_path / "c.csv"
     table.write_text(text, "utf-8")
@@ -213,8 +211,8 @@ def test_a_wrong_table_names_its_line(tmp_path: Path, text: str, message: str) -
     ],
 )
 def test_what_no_case_can_use_is_refused_before_anything_is_written(
-    tmp_path: Path, run: Run, options: list[str], message: str
-) -> None:
+    tmp_path, run, options, message
+):
     """A misprint must not cost a night of rows that all say the same."""
     folder = tmp_path / "rows"
     code, _, told = run("sweep", PAPER, *options, "-o", folder)
@@ -231,9 +229,7 @@ def test_what_no_case_can_use_is_refused_before_anything_is_written(
         ("drive.static_load\n0\n2500\n", {"f_max": "0.5kN,4kN", "is_paired": True}),
     ],
 )
-def test_a_value_that_others_make_possible_is_not_refused(
-    tmp_path: Path, table: str, options: dict[str, Any]
-) -> None:
+def test_a_value_that_others_make_possible_is_not_refused(tmp_path, table, options):
     """A load above the least force is wrong in some cases only; the others must be computed."""
     (tmp_path / "cases.csv").write_text(table, encoding="utf-8")
     plan = read_plan(PAPER, cases=tmp_path / "cases.csv", **options)
@@ -243,7 +239,7 @@ def test_a_value_that_others_make_possible_is_not_refused(
 # Rows
 
 
-def test_rows_are_those_of_single_solves(undisturbed: pl.DataFrame, tmp_path: Path) -> None:
+def test_rows_are_those_of_single_solves(undisturbed, tmp_path):
     """Each row against the solver called alone on a machine built without the profile reader, and
     so of 120 forces that are computed together: proved, and t_f falls with F_max."""
     machine = paper_machine()
@@ -267,7 +263,7 @@ def test_rows_are_those_of_single_solves(undisturbed: pl.DataFrame, tmp_path: Pa
     assert np.all(excess < 1e-12)
 
 
-def test_a_failing_case_is_a_row_with_its_outcome(tmp_path: Path) -> None:
+def test_a_failing_case_is_a_row_with_its_outcome(tmp_path):
     """A wrong case, among forces that are computed together, neither stops the others nor goes."""
     plan = values_of("drive.max_force", "1 kN", "2 kN", "1500 kg", "-5 kN", "3 kN")
     table = read_table(plan, run_sweep(plan, folder=tmp_path))
@@ -284,20 +280,18 @@ def test_a_failing_case_is_a_row_with_its_outcome(tmp_path: Path) -> None:
     assert told[1] in html.unescape(page), "the reason stands above the plots"
 
 
-def test_a_computation_that_ends_otherwise_names_its_outcome(tmp_path: Path) -> None:
+def test_a_computation_that_ends_otherwise_names_its_outcome(tmp_path):
     """A bound that no move keeps is a result of the case, not an internal error."""
     frame = frame_of(replace(plan_of(), bounds=(SignalValue(name="v_s", value=0.05),)), tmp_path)
     assert frame["outcome"].to_list() == ["bound_cannot_hold"]
     assert "v_s" in frame["message"][0]
 
 
-def test_rows_do_not_depend_on_the_threads_of_the_process(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_rows_do_not_depend_on_the_threads_of_the_process(tmp_path, monkeypatch):
     """From Python, and on a cluster, the order of summation would change with the machine."""
     seen = []
 
-    def count(work: Work, number: int) -> Answer:
+    def count(work, number):
         seen.extend(library["num_threads"] for library in threadpool_info())
         return solve_case(work, number)
 
@@ -308,7 +302,7 @@ def test_rows_do_not_depend_on_the_threads_of_the_process(
     assert set(seen) == {1}
 
 
-def test_limits_of_a_case_are_those_of_the_command(tmp_path: Path) -> None:
+def test_limits_of_a_case_are_those_of_the_command(tmp_path):
     """A sweep must recommend what ``limits`` recommends for the same machine, and must not count
     a certified optimum as requirements that are met."""
     from mtcommission.commission.commission import commission
@@ -337,7 +331,7 @@ def test_limits_of_a_case_are_those_of_the_command(tmp_path: Path) -> None:
     assert row["peak_F_set"] == max(response.max_force for response in responses)
 
 
-def test_a_bound_that_varies_trades_time_against_vibration(tmp_path: Path) -> None:
+def test_a_bound_that_varies_trades_time_against_vibration(tmp_path):
     """c_phi as parameter: each control keeps its bound, and a wider one never costs time."""
     plan = plan_of(read_axis("requirements.peaks.v_phi=8mrad/s,30mrad/s", where="--limit"))
     seen: list[int] = []
@@ -354,7 +348,7 @@ def test_a_bound_that_varies_trades_time_against_vibration(tmp_path: Path) -> No
 # Files
 
 
-def test_files_carry_units_and_their_rows_are_cases_of_the_next_sweep(tmp_path: Path) -> None:
+def test_files_carry_units_and_their_rows_are_cases_of_the_next_sweep(tmp_path):
     """A table without units is read in millimetres sooner or later."""
     keys = ("drive.max_force", "plant.base_damping", "requirements.peaks.v_phi")
     plan = plan_of(Axis(keys=keys, rows=(("2500", "8.1 kN s/m", "20 mrad/s"),)))
@@ -380,9 +374,7 @@ def test_files_carry_units_and_their_rows_are_cases_of_the_next_sweep(tmp_path: 
     assert frame_of(again, tmp_path / "again").equals(table.frame)
 
 
-def test_the_page_of_the_document_does_what_it_says(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_page_of_the_document_does_what_it_says(tmp_path, monkeypatch, capsys):
     """Whoever copies its ranges is not refused, and its lines give the command's rows."""
     text = SWEEPS.read_text(encoding="utf-8")
     quoted = re.findall(r"`([^`]+)`", text.replace("\n", " "))
@@ -398,7 +390,7 @@ def test_the_page_of_the_document_does_what_it_says(
     assert names["table"].frame.equals(frame_of(plan_of(axis), tmp_path / "b"))
 
 
-def test_the_library_takes_what_the_command_takes(tmp_path: Path, run: Run) -> None:
+def test_the_library_takes_what_the_command_takes(tmp_path, run):
     """Limits, a table of cases and a later move are there from Python, too, with the same rows."""
     profile = Path(__file__).parent / "data" / "belt-servo.toml"
     table, folder = tmp_path / "cases.csv", tmp_path / "command"
@@ -417,9 +409,7 @@ def test_the_library_takes_what_the_command_takes(tmp_path: Path, run: Run) -> N
 
 
 @pytest.mark.parametrize("finished", [1, 4])
-def test_killed_by_force_and_resumed(
-    tmp_path: Path, undisturbed: pl.DataFrame, finished: int
-) -> None:
+def test_killed_by_force_and_resumed(tmp_path, undisturbed, finished):
     """After kill -9 the rows on disk are kept as they are, and the rest is the same as ever."""
     line = [*command(tmp_path), "--workers", str(1 + finished % 2)]
     running = subprocess.Popen(line, stderr=subprocess.PIPE, text=True)
@@ -436,9 +426,7 @@ def test_killed_by_force_and_resumed(
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_asked_to_end_and_resumed(
-    tmp_path: Path, undisturbed: pl.DataFrame, number: signal.Signals
-) -> None:
+def test_asked_to_end_and_resumed(tmp_path, undisturbed, number):
     """Ctrl-C, a shutdown or a closed terminal ends a sweep with a sentence, and no work is lost."""
     # Under nohup and on some CI runners the signal is ignored, and children inherit that.
     running = subprocess.Popen(
@@ -456,10 +444,10 @@ def test_asked_to_end_and_resumed(
     assert lines_in(tmp_path) == 6, "finished pieces must not be computed again"
 
 
-def test_full_disk_and_resumed(tmp_path: Path, undisturbed: pl.DataFrame) -> None:
+def test_full_disk_and_resumed(tmp_path, undisturbed):
     """A limit on file size fails writes midway, as a quota does; nothing before may be lost."""
 
-    def shrink() -> None:
+    def shrink():
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
         resource.setrlimit(resource.RLIMIT_FSIZE, (4000, 4000))
 
@@ -475,7 +463,7 @@ def test_full_disk_and_resumed(tmp_path: Path, undisturbed: pl.DataFrame) -> Non
 
 
 @pytest.mark.parametrize("share", [0.0, 0.999])
-def test_any_torn_end_is_repaired(tmp_path: Path, undisturbed: pl.DataFrame, share: float) -> None:
+def test_any_torn_end_is_repaired(tmp_path, undisturbed, share):
     """A power cut may leave any prefix of the file, and rubbish in its last block."""
     path = run_sweep(MASSES_PLAN, folder=tmp_path).path
     whole = path.read_bytes()
@@ -484,9 +472,7 @@ def test_any_torn_end_is_repaired(tmp_path: Path, undisturbed: pl.DataFrame, sha
 
 
 @pytest.mark.parametrize("line", [0, 5])
-def test_a_damaged_line_costs_its_own_cases_only(
-    tmp_path: Path, undisturbed: pl.DataFrame, line: int
-) -> None:
+def test_a_damaged_line_costs_its_own_cases_only(tmp_path, undisturbed, line):
     """One flipped bit once deleted the whole store, or all sound pieces behind it."""
     path = run_sweep(MASSES_PLAN, folder=tmp_path).path
     data = bytearray(path.read_bytes())
@@ -496,7 +482,7 @@ def test_a_damaged_line_costs_its_own_cases_only(
     assert lines_in(tmp_path) == 7, "only the lost piece is computed"
 
 
-def test_stopping_does_not_wait_for_cases_under_way(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_stopping_does_not_wait_for_cases_under_way(monkeypatch):
     """Cases may take half a minute each; whoever stops a sweep would think that it hangs."""
     bystander = multiprocessing.get_context("spawn").Process(target=time.sleep, args=(200,))
     bystander.start()
@@ -513,11 +499,11 @@ def test_stopping_does_not_wait_for_cases_under_way(monkeypatch: pytest.MonkeyPa
         bystander.join()
 
 
-def test_lost_worker_and_any_number_of_workers(tmp_path: Path, undisturbed: pl.DataFrame) -> None:
+def test_lost_worker_and_any_number_of_workers(tmp_path, undisturbed):
     """A killed process costs its piece at most; two processes give the rows of one."""
     killed: list[int] = []
 
-    def kill_one(done: int, total: int, failures: int) -> None:
+    def kill_one(done, total, failures):
         children = multiprocessing.active_children()
         if not killed and children:
             killed.append(children[0].pid or 0)
@@ -531,10 +517,10 @@ def test_lost_worker_and_any_number_of_workers(tmp_path: Path, undisturbed: pl.D
 # Folders
 
 
-def test_store_of_another_sweep_is_refused(tmp_path: Path) -> None:
+def test_store_of_another_sweep_is_refused(tmp_path):
     """Mixed rows of two sweeps would look like one; what never began is begun anew."""
 
-    def stop(done: int, *_: int) -> None:
+    def stop(done, *_):
         raise KeyboardInterrupt
 
     plan = values_of("drive.max_force", "2 kN")
@@ -550,7 +536,7 @@ def test_store_of_another_sweep_is_refused(tmp_path: Path) -> None:
         run_sweep(other, folder=tmp_path, resume=True)
 
 
-def test_a_second_sweep_into_the_same_folder_is_refused(tmp_path: Path) -> None:
+def test_a_second_sweep_into_the_same_folder_is_refused(tmp_path):
     """Two writers would compute everything twice and mix their lines."""
     with hold_folder(tmp_path):
         second = subprocess.run(
@@ -563,7 +549,7 @@ def test_a_second_sweep_into_the_same_folder_is_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "is_link"), [("rows.csv", False), (NAME, False), (NAME, True), (LOCK, True)]
 )
-def test_files_of_others_are_left_alone(tmp_path: Path, name: str, is_link: bool) -> None:
+def test_files_of_others_are_left_alone(tmp_path, name, is_link):
     """The target of a link named .lock was once truncated."""
     theirs, folder = tmp_path / "theirs", tmp_path / "out"
     folder.mkdir()
@@ -620,7 +606,7 @@ f_max,plant.base_stiffness
     [(0, "rgb(21, 24, 28)", True), (1, "rgb(255, 255, 255)", False)],
     ids=["dark", "light"],
 )
-def test_page_in_a_browser(tmp_path: Path, scheme: int, paper: str, is_bright: bool) -> None:
+def test_page_in_a_browser(tmp_path, scheme, paper, is_bright):
     """Sorting, the profile behind a row and the plots work where people will open the page.
 
     It begins with the key that has most values, in units as people write them; ticks that lie
@@ -645,7 +631,7 @@ def test_page_in_a_browser(tmp_path: Path, scheme: int, paper: str, is_bright: b
     assert (seen["brightest"] > 140) == is_bright
 
 
-def test_page_runs_nothing_but_its_own_script(tmp_path: Path) -> None:
+def test_page_runs_nothing_but_its_own_script(tmp_path):
     """A profile from elsewhere must not bring a script, nor the page call any network."""
     hostile = TEXT.replace('name = "', 'name = "</script><script>alert(1)</script>', 1)
     plan = replace(plan_of(), profile_text=hostile, where="<b>x</b>")
@@ -666,14 +652,12 @@ def local_cluster(workers: int) -> Any:
     )
 
 
-def test_cluster_gives_the_same_rows_and_survives_a_lost_worker(
-    tmp_path: Path, undisturbed: pl.DataFrame
-) -> None:
+def test_cluster_gives_the_same_rows_and_survives_a_lost_worker(tmp_path, undisturbed):
     """A Dask cluster that loses a worker must neither lose nor change a row."""
     killed: list[int] = []
     with local_cluster(2) as cluster:
 
-        def kill_one(done: int, total: int, failures: int) -> None:
+        def kill_one(done, total, failures):
             if not killed:
                 killed.append(next(iter(cluster.workers.values())).pid)
                 os.kill(killed[0], signal.SIGKILL)
@@ -684,12 +668,12 @@ def test_cluster_gives_the_same_rows_and_survives_a_lost_worker(
     assert found.equals(undisturbed)
 
 
-def test_cluster_without_workers_says_so_and_goes_on_with_the_first(tmp_path: Path) -> None:
+def test_cluster_without_workers_says_so_and_goes_on_with_the_first(tmp_path):
     """A bar that stands still for ever tells nobody what to start."""
     told: list[str] = []
     with local_cluster(0) as cluster:
 
-        def start_one(note: Message) -> None:
+        def start_one(note):
             told.append(note.kind)
             cluster.scale(1)
 
@@ -699,7 +683,7 @@ def test_cluster_without_workers_says_so_and_goes_on_with_the_first(tmp_path: Pa
     assert found["certified"].to_list() == [True]
 
 
-def test_lost_scheduler_names_resume(tmp_path: Path, undisturbed: pl.DataFrame) -> None:
+def test_lost_scheduler_names_resume(tmp_path, undisturbed):
     pytest.importorskip("distributed")
     with closing(socket.create_server(("127.0.0.1", 0))) as free:
         port = free.getsockname()[1]
@@ -737,23 +721,21 @@ def _wait_for_port(port: int) -> None:
         ("tcp:nowhere", "no scheduler answers"),
     ],
 )
-def test_an_address_of_no_use_is_wrong_input(address: str, message: str, tmp_path: Path) -> None:
+def test_an_address_of_no_use_is_wrong_input(address, message, tmp_path):
     pytest.importorskip("distributed")
     with pytest.raises(InputError, match=message):
         run_sweep(plan_of(), folder=tmp_path, engine=Engine(scheduler=address))
 
 
 @pytest.mark.parametrize("said", [b"HTTP/1.1 400 Bad Request\r\n\r\nno Dask here", b""])
-def test_what_is_no_scheduler_is_said_to_be_none(
-    said: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_is_no_scheduler_is_said_to_be_none(said, tmp_path, monkeypatch):
     """Foreign answers were internal errors, and silence was waited for without end."""
     pytest.importorskip("distributed")
     monkeypatch.setattr("mtcommission.sweep.lanes.PATIENCE", 5.0)
     with socket.create_server(("127.0.0.1", 0)) as server:
         port, held = server.getsockname()[1], []
 
-        def answer() -> None:
+        def answer():
             with suppress(OSError):
                 while True:
                     held.append(server.accept()[0])
@@ -767,7 +749,7 @@ def test_what_is_no_scheduler_is_said_to_be_none(
             one.close()
 
 
-def test_an_optimum_that_is_not_proved_is_named_with_its_gap() -> None:
+def test_an_optimum_that_is_not_proved_is_named_with_its_gap():
     """The command ended with 1 and did not say for which case."""
     rows = [(0, 1e-12, True), (1, 9.2e-8, False), (2, 3e-7, False)]
     frame = pl.DataFrame(rows, schema=["case", "relative_gap", "certified"], orient="row")

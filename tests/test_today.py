@@ -24,7 +24,7 @@ def judged(machine: Machine, today: Today | None) -> TodaysValues | None:
     return judge_today(stated, tune_loop(stated))
 
 
-def test_given_gains_give_the_loop_that_a_profile_with_these_gains_gets() -> None:
+def test_given_gains_give_the_loop_that_a_profile_with_these_gains_gets():
     """A second way to the same loop: the profile that states today's gains as its own."""
     machine = paper_machine()
     today = Today(
@@ -48,7 +48,7 @@ def test_given_gains_give_the_loop_that_a_profile_with_these_gains_gets() -> Non
     assert found.judged.residual_deviation == pytest.approx(twin.residual_deviation, rel=1e-6)
 
 
-def test_a_filter_of_today_lengthens_the_move_by_its_time() -> None:
+def test_a_filter_of_today_lengthens_the_move_by_its_time():
     """The recommended setpoint has none: it must not be forgotten, nor stay for the others."""
     machine, today = paper_machine(), Today(acceleration=1.2, jerk=30.0)
     filtered = replace(today, setpoint_filter=moving_average(0.1))
@@ -56,7 +56,7 @@ def test_a_filter_of_today_lengthens_the_move_by_its_time() -> None:
     assert behind.settling_time > plain.settling_time + 0.05
 
 
-def test_an_unstable_loop_is_told_with_its_gains_and_has_no_result() -> None:
+def test_an_unstable_loop_is_told_with_its_gains_and_has_no_result():
     found = judged(paper_machine(), Today(acceleration=1.2, jerk=30.0, velocity_gain=9e6))
     assert found is not None
     assert found.judged is None
@@ -66,7 +66,7 @@ def test_an_unstable_loop_is_told_with_its_gains_and_has_no_result() -> None:
     assert found.failure.values["Kp"] == 9e6
 
 
-def test_values_that_make_endless_moves_are_told_and_stop_nothing() -> None:
+def test_values_that_make_endless_moves_are_told_and_stop_nothing():
     """A wrong unit in [today] must not cost the user the recommendation."""
     found = judged(paper_machine(), Today(acceleration=1e-6, jerk=1e-6))
     assert found is not None

@@ -70,7 +70,7 @@ def assert_tuned(tuned: TunedLoop) -> None:
 
 
 @pytest.mark.parametrize("seed", [*range(4), *range(6, 24)])
-def test_random_machines_are_tuned_or_say_why_not(seed: int) -> None:
+def test_random_machines_are_tuned_or_say_why_not(seed):
     """A user's machine would end in a loop without margins, or in a traceback."""
     machine = in_corners(seed)
     if seed >= 6:  # the nominal machine alone is quicker
@@ -83,7 +83,7 @@ def test_random_machines_are_tuned_or_say_why_not(seed: int) -> None:
 @pytest.mark.parametrize(
     "machine", [paper_machine(), random_modal_machine(3, n_modes=3)], ids=["paper", "three modes"]
 )
-def test_margins_and_poles_are_those_of_python_control(machine: Machine) -> None:
+def test_margins_and_poles_are_those_of_python_control(machine):
     """Of the block diagram, which only its definitions share with what tunes."""
     tuned = tune_loop(machine)
     found = check_by_blocks(tuned.loops[0], tuned.responses[0].frequency_hz)
@@ -92,7 +92,7 @@ def test_margins_and_poles_are_those_of_python_control(machine: Machine) -> None
     assert found.pole_difference < 1e-10
 
 
-def test_phi_needs_a_sensor_near_the_tool() -> None:
+def test_phi_needs_a_sensor_near_the_tool():
     """The encoder does not see the tower: a gain on it would be faked."""
     gain = (SignalValue(name="phi", value=1e5),)
     blind = quiet_copy(paper_machine(), state_feedback=StateFeedback.GIVEN, state_gains=gain)
@@ -116,9 +116,7 @@ def follow_pole(machine: Machine, tuned: TunedLoop, start: complex) -> complex:
 @pytest.mark.parametrize(
     "machine", [paper_machine(), random_modal_machine(3, n_modes=1)], ids=["paper", "random"]
 )
-def test_shown_damping_is_that_of_the_mode_and_not_of_the_observer(
-    machine: Machine, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_shown_damping_is_that_of_the_mode_and_not_of_the_observer(machine, monkeypatch):
     """A pole of the observer beside a mode would be shown as its damping, and chosen by it."""
     monkeypatch.setattr(family, "TUNING", replace(TUNING, mode_weights=(0.1,)))
     tuned = tune_loop(machine)
@@ -136,7 +134,7 @@ def test_shown_damping_is_that_of_the_mode_and_not_of_the_observer(
 
 
 @pytest.mark.parametrize("path", PROFILES, ids=lambda path: path.stem)
-def test_proposed_loops_keep_margins_stiffness_and_integral_gain(path: Path) -> None:
+def test_proposed_loops_keep_margins_stiffness_and_integral_gain(path):
     """A loop that settles sooner but yields to the cutting force would be recommended."""
     cascades = cascade_family(read_profile(path))
     found = propose_cascades(cascades)
@@ -157,7 +155,7 @@ def test_proposed_loops_keep_margins_stiffness_and_integral_gain(path: Path) -> 
 
 
 @pytest.mark.parametrize("path", PROFILES[::3], ids=lambda path: path.stem)
-def test_one_step_more_of_Kp_lacks_the_margins(path: Path) -> None:
+def test_one_step_more_of_Kp_lacks_the_margins(path):
     """Kp would be lower than need be, and the axis softer: seen by the whole loop."""
     machine = read_profile(path)
     free = replace(machine.control, velocity_gain=None, position_gain=None, integral_time=None)
@@ -174,7 +172,7 @@ def test_one_step_more_of_Kp_lacks_the_margins(path: Path) -> None:
         assert not all(has_margins(item) for item in analyses)
 
 
-def test_integral_gain_is_what_a_lasting_force_displaces_over_time() -> None:
+def test_integral_gain_is_what_a_lasting_force_displaces_over_time():
     """The area under the disturbance response, of the encoder's part: one over Kp Kv / Tn."""
     machine = quiet_copy(paper_machine(), state_feedback=StateFeedback.OFF)
     tuned = tune_loop(machine)
@@ -185,7 +183,7 @@ def test_integral_gain_is_what_a_lasting_force_displaces_over_time() -> None:
     assert area == pytest.approx(push / integral_gain(tuned.controller), rel=1e-3)
 
 
-def test_second_encoder_damps_the_tower() -> None:
+def test_second_encoder_damps_the_tower():
     """Feedback of phi, which only a second encoder sees, must raise its damping from 0.05."""
     tuned = tune_loop(quiet_copy(paper_machine(), has_tcp_sensor=True))
     tower = tuned.loops[0].plant.modes[1]
@@ -193,7 +191,7 @@ def test_second_encoder_damps_the_tower() -> None:
     assert tuned.nominal.mode_damping[1] > 2.0 * tower.damping_ratio
 
 
-def test_no_sine_moves_the_tool_more_than_the_dynamic_stiffness_says() -> None:
+def test_no_sine_moves_the_tool_more_than_the_dynamic_stiffness_says():
     """The stiffness in the table and the curve beside it would contradict each other."""
     tuned = tune_loop(paper_machine())
     answer = simulate_disturbance(tuned.loops[0], duration=1.0)
@@ -218,17 +216,17 @@ MACHINES = {
 
 
 @pytest.mark.parametrize("name", MACHINES)
-def test_gains_are_those_of_python_control(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_gains_are_those_of_python_control(name, monkeypatch):
     """Every equation of a whole tuning, solved by a second program."""
     asked = []
 
-    def regulator(A: np.ndarray, B: np.ndarray, Q: np.ndarray) -> np.ndarray:
+    def regulator(A, B, Q):
         ours = regulator_gains(A, B, Q)
         theirs, _, _ = control.lqr(A, B[:, None], Q, np.eye(1))
         asked.append(np.max(np.abs(ours - theirs[0])) / np.max(np.abs(theirs)))
         return ours
 
-    def observer(A: np.ndarray, G: np.ndarray, C: np.ndarray) -> np.ndarray:
+    def observer(A, G, C):
         ours = observer_gains(A, G, C)
         theirs, _, _ = control.dlqe(A, G, C, np.eye(G.shape[1]), np.eye(len(C)))
         asked.append(np.max(np.abs(ours - theirs)) / np.max(np.abs(theirs)))
@@ -242,7 +240,7 @@ def test_gains_are_those_of_python_control(name: str, monkeypatch: pytest.Monkey
     assert max(asked) < 1e-8
 
 
-def test_what_nothing_damps_has_no_gains() -> None:
+def test_what_nothing_damps_has_no_gains():
     """An oscillator beside the drive would get gains that leave it ringing, without a word."""
     A = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
     B, Q = np.array([0.0, 0.0, 1.0]), np.eye(3)

@@ -45,7 +45,7 @@ PINT_NAMES = {
 
 
 @pytest.mark.parametrize("symbol", [s for s in SYMBOLS if s not in ("%", "percent")])
-def test_every_symbol_has_the_factor_and_dimension_that_pint_gives(symbol: str) -> None:
+def test_every_symbol_has_the_factor_and_dimension_that_pint_gives(symbol):
     unit = SYMBOLS[symbol]
     theirs = PINT.Quantity(1.0, PINT_NAMES.get(symbol, symbol)).to_base_units()
     ours = PINT.Quantity(
@@ -68,9 +68,7 @@ def test_every_symbol_has_the_factor_and_dimension_that_pint_gives(symbol: str) 
     ),
     st.sampled_from(["*", " * ", " ", "·"]),
 )
-def test_products_powers_and_quotients_agree_with_pint(
-    factors: list[tuple[str, str, int]], times: str
-) -> None:
+def test_products_powers_and_quotients_agree_with_pint(factors, times):
     """Association to the left and powers: an error here would scale a stiffness wrongly."""
     ours = "1" if factors[0][0] == "/" else ""
     theirs = "1.0"
@@ -113,7 +111,7 @@ def test_products_powers_and_quotients_agree_with_pint(
         ("0e999999999 m", LENGTH, 0.0),
     ],
 )
-def test_written_by_custom(text: str, dimension: Dimension, expected: float) -> None:
+def test_written_by_custom(text, dimension, expected):
     assert parse_quantity(text, dimension) == pytest.approx(expected, rel=1e-15)
 
 
@@ -139,7 +137,7 @@ MEANT_KG = ' (did you mean "kg"?)' + MUST_BE_MASS
         ("5" * 81, f'got "{"5" * 77}..."; a quantity has at most 80 characters'),
     ],
 )
-def test_a_slip_is_named_with_its_remedy(text: str, message: str) -> None:
+def test_a_slip_is_named_with_its_remedy(text, message):
     assert fault_in(text, MASS) == message
 
 
@@ -152,9 +150,7 @@ def test_a_slip_is_named_with_its_remedy(text: str, message: str) -> None:
         ("5 1/s", PER_INERTIA, "1/(kg m^2)"),
     ],
 )
-def test_a_unit_of_another_quantity_is_refused(
-    text: str, dimension: Dimension, wanted: str
-) -> None:
+def test_a_unit_of_another_quantity_is_refused(text, dimension, wanted):
     assert fault_in(text, dimension).endswith(f"; must be in {wanted}")
 
 
@@ -172,7 +168,7 @@ def test_a_unit_of_another_quantity_is_refused(
         ("3 furlong", LENGTH, ""),
     ],
 )
-def test_a_proposed_unit_fits_the_place(text: str, dimension: Dimension, meant: str) -> None:
+def test_a_proposed_unit_fits_the_place(text, dimension, meant):
     """Advice that is refused in turn helps nobody."""
     said = fault_in(text, dimension)
     found = re.search(r'did you mean "([^"]+)"', said)
@@ -182,7 +178,7 @@ def test_a_proposed_unit_fits_the_place(text: str, dimension: Dimension, meant: 
 
 
 @pytest.mark.parametrize(("word", "worth"), sorted(FOREIGN.items()))
-def test_what_foreign_units_are_worth_is_what_pint_says(word: str, worth: str) -> None:
+def test_what_foreign_units_are_worth_is_what_pint_says(word, worth):
     """A wrong factor in the advice would be typed in as a wrong mass."""
     left, value, unit = re.fullmatch(r"1 (\w+) = ([0-9.]+) (.+)", worth).groups()  # type: ignore[union-attr]
     names = {
@@ -205,7 +201,7 @@ def fault_in(text: str, dimension: Dimension) -> str:
         return str(error)
 
 
-def test_the_decimal_comma_is_read_where_it_is_welcome() -> None:
+def test_the_decimal_comma_is_read_where_it_is_welcome():
     assert parse_quantity("2,5 ms", TIME, decimal_comma=True) == 2.5e-3
     with pytest.raises(ValueError, match="thousands"):
         parse_quantity("1.000,5 kg", MASS, decimal_comma=True)
@@ -216,9 +212,7 @@ def test_the_decimal_comma_is_read_where_it_is_welcome() -> None:
     st.text(max_size=100) | st.text("mskgNrad%/*^() 0123456789µ", max_size=79).map("1 {}".format),
     st.sampled_from([MASS, LENGTH, STIFFNESS, FREQUENCY, ROTARY_DAMPING]),
 )
-def test_any_text_is_read_or_refused_without_harm_to_the_console(
-    text: str, dimension: Dimension
-) -> None:
+def test_any_text_is_read_or_refused_without_harm_to_the_console(text, dimension):
     """Whatever is typed, and whatever is made of the letters of units."""
     message = fault_in(text, dimension)
     assert message.isprintable()

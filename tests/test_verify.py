@@ -28,7 +28,6 @@ from mtcommission.verify.promises import check_recorded
 from mtcommission.verify.refine import refine, renew_profile
 from mtcommission.verify.trace import read_trace
 from mtcommission.verify.verify import Verification, verify
-from tests.conftest import Run
 from tests.recorded_traces import ROTARY, UNITS, Spoilt, record_moves, write_csv
 
 PROFILES = Path(__file__).parent.parent / "profiles"
@@ -80,7 +79,7 @@ def find(found: Verification, name: str) -> Check:
 MILLING, GANTRY = "milling-manipulator", "modal-two-modes"
 
 
-def test_the_loop_of_a_record_is_rebuilt_to_the_last_digit() -> None:
+def test_the_loop_of_a_record_is_rebuilt_to_the_last_digit():
     record, rebuilt = record_of(MILLING), rebuilt_of(MILLING)
     written = record.loop.closed_loop
     for name in "ABCD":
@@ -96,9 +95,7 @@ def test_the_loop_of_a_record_is_rebuilt_to_the_last_digit() -> None:
     ],
     ids=["lag, noise and offset", "coarse"],
 )
-def test_what_the_record_promises_holds_where_the_machine_is_the_record_s(
-    name: str, how: Spoilt, tmp_path: Path
-) -> None:
+def test_what_the_record_promises_holds_where_the_machine_is_the_record_s(name, how, tmp_path):
     found = verified(name, tmp_path, how)
     best = found.record.limits.recommended
     # A ramp of one cycle is too short for a trace to tell its jerk.
@@ -115,9 +112,7 @@ def test_what_the_record_promises_holds_where_the_machine_is_the_record_s(
 
 
 @pytest.mark.parametrize(("name", "grain"), [(GANTRY, 1e-9), (GANTRY, 1e-6), ("honing-z", 1e-7)])
-def test_a_slow_start_below_the_resolution_counts_as_settling_time(
-    name: str, grain: float, tmp_path: Path
-) -> None:
+def test_a_slow_start_below_the_resolution_counts_as_settling_time(name, grain, tmp_path):
     """Ten milliseconds that no digit showed were left out: a move that is too slow "held"."""
     how = Spoilt(step=1e-3, setpoint_grain=grain, grain=min(grain, 1e-7))
     found = verified(name, tmp_path, how)
@@ -131,9 +126,7 @@ def test_a_slow_start_below_the_resolution_counts_as_settling_time(
 
 
 @pytest.mark.parametrize("share", [0.45, 0.75, 1.0])
-def test_a_trace_that_ends_too_soon_neither_holds_nor_blames_anybody(
-    share: float, tmp_path: Path
-) -> None:
+def test_a_trace_that_ends_too_soon_neither_holds_nor_blames_anybody(share, tmp_path):
     """Whoever stops the recorder too soon would be told of a fault of the program."""
     whole = columns_of("rotary-table", Spoilt(dwell=0.0, before=0.1))
     rows = int(share * len(whole["t"]))
@@ -142,7 +135,7 @@ def test_a_trace_that_ends_too_soon_neither_holds_nor_blames_anybody(
     assert not [check.key for check in found.checks if check.verdict is Verdict.FAILS]
 
 
-def test_the_feed_forward_is_what_the_machine_would_need(tmp_path: Path) -> None:
+def test_the_feed_forward_is_what_the_machine_would_need(tmp_path):
     """A heavier machine asks for its mass, a late encoder for its delay; both are tested apart."""
     name, mass = "ball-screw", rebuilt_of("ball-screw").plant.moving_mass
     fed = suggest_feedforward(verified(name, tmp_path, Spoilt(payload=0.2 * mass, repeats=2)))
@@ -156,7 +149,7 @@ def test_the_feed_forward_is_what_the_machine_would_need(tmp_path: Path) -> None
     assert fed.after < 0.1 * fed.before
 
 
-def test_friction_shows_in_the_following_error_while_the_axis_moves(tmp_path: Path) -> None:
+def test_friction_shows_in_the_following_error_while_the_axis_moves(tmp_path):
     """At standstill the axis sticks and answers no force: those samples took it for half."""
     found = verified("honing-z", tmp_path, Spoilt(coulomb=240.0, repeats=4, step=2.5e-4, dwell=0.5))
     fed = suggest_feedforward(found)
@@ -166,7 +159,7 @@ def test_friction_shows_in_the_following_error_while_the_axis_moves(tmp_path: Pa
 
 
 @pytest.mark.parametrize("factor", [0.92, 1.15])
-def test_a_frequency_outside_the_spread_is_found(factor: float, tmp_path: Path) -> None:
+def test_a_frequency_outside_the_spread_is_found(factor, tmp_path):
     found = verified(GANTRY, tmp_path, Spoilt(frequency=factor, noise=1e-7))
     assert found.verdict is Verdict.FAILS
     beam = find(found, "beam: frequency")
@@ -175,9 +168,7 @@ def test_a_frequency_outside_the_spread_is_found(factor: float, tmp_path: Path) 
     assert refined["beam.frequency"].new.value == pytest.approx(38.0 * factor, rel=0.01)
 
 
-def test_a_planner_that_ignores_the_jerk_is_said_first_and_the_mechanics_not_blamed(
-    tmp_path: Path,
-) -> None:
+def test_a_planner_that_ignores_the_jerk_is_said_first_and_the_mechanics_not_blamed(tmp_path):
     found = verified(MILLING, tmp_path, Spoilt(ignores_jerk=True, noise=1e-7))
     assert found.obeyed is False
     assert found.verdict is Verdict.FAILS
@@ -202,32 +193,28 @@ RESIDUAL, FAILS, UNKNOWN = "move 1: residual deviation", Verdict.FAILS, Verdict.
     ],
 )
 def test_what_differs_is_told_and_what_cannot_be_told_is_not_said(
-    how: Spoilt, name: str, verdict: Verdict, reason: str, tmp_path: Path
-) -> None:
+    how, name, verdict, reason, tmp_path
+):
     check = find(verified(MILLING, tmp_path, how), name)
     assert check.verdict is verdict
     assert not reason or check.reason.kind == reason
 
 
 @pytest.mark.parametrize("step", [7e-4, 1e-3])
-def test_a_ramp_that_falls_between_the_samples_does_not_blame_the_planner(
-    step: float, tmp_path: Path
-) -> None:
+def test_a_ramp_that_falls_between_the_samples_does_not_blame_the_planner(step, tmp_path):
     """Steps of the acceleration within a cycle: what a mean shows of them hangs on the phase."""
     found = verified("printer-belt", tmp_path, Spoilt(step=step, dwell=0.3))
     assert find(found, "setpoint jerk").verdict is not Verdict.FAILS
 
 
-def test_the_encoder_alone_tells_nothing_of_a_mode_that_it_does_not_show(tmp_path: Path) -> None:
+def test_the_encoder_alone_tells_nothing_of_a_mode_that_it_does_not_show(tmp_path):
     found = verified(MILLING, tmp_path, Spoilt(), only=("encoder",))
     assert found.verdict is Verdict.UNKNOWN
     residual = find(found, "move 1: residual deviation")
     assert residual.reason.kind == "verify-encoder-only"
 
 
-def test_an_rms_force_over_a_shorter_time_than_its_limit_never_simply_holds(
-    tmp_path: Path,
-) -> None:
+def test_an_rms_force_over_a_shorter_time_than_its_limit_never_simply_holds(tmp_path):
     """A dwell that ends early: above the limit in any case, or it cannot be told."""
     rebuilt = rebuilt_of(GANTRY)
     whole = verified(GANTRY, tmp_path, Spoilt(dwell=0.19))
@@ -242,7 +229,7 @@ def test_an_rms_force_over_a_shorter_time_than_its_limit_never_simply_holds(
     assert rms.reason.values["got"] < rms.reason.values["needed"]
 
 
-def test_a_setpoint_recorded_behind_the_delay_is_recognised(tmp_path: Path) -> None:
+def test_a_setpoint_recorded_behind_the_delay_is_recognised(tmp_path):
     """What the loop compares already is the delayed setpoint: no deviation of the machine."""
     tau = rebuilt_of(GANTRY).controller.reference_delay
     how = Spoilt(step=2.5e-4, noise=1e-7, payload=20.0)
@@ -260,7 +247,7 @@ def test_a_setpoint_recorded_behind_the_delay_is_recognised(tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize(("name", "share"), [(MILLING, 0.0), (GANTRY, 1.0)])
-def test_a_following_error_alone_tells_it_too(name: str, share: float, tmp_path: Path) -> None:
+def test_a_following_error_alone_tells_it_too(name, share, tmp_path):
     tau = rebuilt_of(name).controller.reference_delay
     columns = columns_of(name, Spoilt(step=5e-4, behind=share * tau))
     t, x = columns["t"], columns["x_ref"]
@@ -275,7 +262,7 @@ def test_a_following_error_alone_tells_it_too(name: str, share: float, tmp_path:
     )
 
 
-def test_never_a_wrong_holds(tmp_path: Path) -> None:
+def test_never_a_wrong_holds(tmp_path):
     """Machines whose true residual misses the band, recorded with all kinds of blemish."""
     rng = np.random.default_rng(7)
     rebuilt, band = rebuilt_of(GANTRY), record_of(GANTRY)
@@ -323,14 +310,14 @@ def there_and_back(name: str, how: Spoilt, count: int) -> dict[str, np.ndarray]:
     return {key: np.concatenate(parts) for key, parts in pieces.items()}
 
 
-def test_a_move_that_the_record_does_not_hold_is_told(tmp_path: Path) -> None:
+def test_a_move_that_the_record_does_not_hold_is_told(tmp_path):
     """The trace of another axis: what it shows was called "entered"."""
     found = shown(GANTRY, tmp_path / "other.csv", there_and_back(GANTRY, Spoilt(), 1))
     assert found.warnings[0].kind == "verify-moves-unknown"
     assert found.warnings[0].values["size"] == pytest.approx(0.1, rel=1e-3)
 
 
-def test_mass_and_friction_come_back_and_are_tested_on_what_was_held_back(tmp_path: Path) -> None:
+def test_mass_and_friction_come_back_and_are_tested_on_what_was_held_back(tmp_path):
     how = Spoilt(coulomb=80.0, viscous=400.0, payload=30.0, noise=3e-7, step=5e-4, dwell=0.6)
     found = shown(GANTRY, tmp_path / "fro.csv", there_and_back(GANTRY, how, 6))
     refined = refine(found)
@@ -352,7 +339,7 @@ def test_mass_and_friction_come_back_and_are_tested_on_what_was_held_back(tmp_pa
     assert drive.coulomb_friction == pytest.approx(new["coulomb_friction"].value, rel=1e-4)
 
 
-def test_an_axis_that_sticks_has_no_mode_of_it(tmp_path: Path) -> None:
+def test_an_axis_that_sticks_has_no_mode_of_it(tmp_path):
     """A creep into rest was a mode at half the frequency, blamed, and took mass and friction."""
     how = Spoilt(coulomb=50.0, repeats=3, step=5e-4, noise=1e-7)
     found = verified(GANTRY, tmp_path, how)
@@ -363,9 +350,7 @@ def test_an_axis_that_sticks_has_no_mode_of_it(tmp_path: Path) -> None:
     assert new["coulomb_friction"].value == pytest.approx(50.0, abs=5.0)
 
 
-def test_the_command_and_the_sheet_say_the_same(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, run: Run
-) -> None:
+def test_the_command_and_the_sheet_say_the_same(tmp_path, monkeypatch, run):
     (tmp_path / "record.json").write_text(dump_json(record_of(GANTRY)), encoding="utf-8")
     how = Spoilt(frequency=1.12, noise=2e-7, step=5e-4)
     write_csv(tmp_path / "move.csv", columns_of(GANTRY, how))
@@ -395,7 +380,7 @@ def words_of(found: Verification) -> Catalogue:
     return Catalogue(rotary=found.record.machine.motion == "rotary")
 
 
-def test_an_accelerometer_at_the_tool_shows_the_modes(tmp_path: Path) -> None:
+def test_an_accelerometer_at_the_tool_shows_the_modes(tmp_path):
     columns = columns_of(GANTRY, Spoilt(frequency=1.08))
     t, tool = columns["t"], columns["tcp"]
     own = {"t": t, "x_ref": columns["x_ref"], "encoder": columns["encoder"],
@@ -407,14 +392,14 @@ def test_an_accelerometer_at_the_tool_shows_the_modes(tmp_path: Path) -> None:
     assert find(found, "move 1: residual deviation").verdict is Verdict.UNKNOWN
 
 
-def test_on_a_rotary_axis_torque_stands_for_force(tmp_path: Path) -> None:
+def test_on_a_rotary_axis_torque_stands_for_force(tmp_path):
     found = verified("rotary-table", tmp_path, Spoilt(before=0.3, dwell=0.6))
     assert find(found, "move 1: max force").unit == "N m"
     assert find(found, "move 1: residual deviation").verdict is Verdict.HOLDS
     assert found.verdict is Verdict.UNKNOWN  # the second move of the record was not recorded
 
 
-def test_a_sensor_that_counts_backwards_in_another_unit_is_turned(tmp_path: Path) -> None:
+def test_a_sensor_that_counts_backwards_in_another_unit_is_turned(tmp_path):
     columns = columns_of(GANTRY, Spoilt(step=2.5e-4))
     columns["tcp"] = -1e6 * columns["tcp"]
     found = shown(GANTRY, tmp_path / "turned.csv", columns, tcp="um")
@@ -433,7 +418,7 @@ def test_a_sensor_that_counts_backwards_in_another_unit_is_turned(tmp_path: Path
         ("t [s],x_ref [m],encoder [m],b", "identify-series-not-finite"),
     ],
 )
-def test_what_a_file_lacks_is_said_with_the_remedy(head: str, kind: str, tmp_path: Path) -> None:
+def test_what_a_file_lacks_is_said_with_the_remedy(head, kind, tmp_path):
     t = 1e-3 * np.arange(400)
     x = np.clip(t - 0.1, 0.0, 0.1)
     torn = x.copy()

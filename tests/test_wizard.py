@@ -173,7 +173,7 @@ def said_of(answers: dict[str, str]) -> list[str]:
 # What is asked
 
 
-def test_papers_machine_is_the_shipped_one(tmp_path: Path) -> None:
+def test_papers_machine_is_the_shipped_one(tmp_path):
     """Then its sheet is the shipped one's, too: the computation sees nothing but the Machine."""
     ending, said = talk(tmp_path / "paper.toml", PAPER)
     assert ending is Ending.WRITTEN
@@ -192,7 +192,7 @@ def test_papers_machine_is_the_shipped_one(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [tmp_path / "paper.toml"]
 
 
-def test_a_servo_axis_takes_twenty_questions(tmp_path: Path) -> None:
+def test_a_servo_axis_takes_twenty_questions(tmp_path):
     """Else a colleague without the paper gives up."""
     path = tmp_path / "p.toml"
     ending, said = talk(path, SERVO)
@@ -208,7 +208,7 @@ def test_a_servo_axis_takes_twenty_questions(tmp_path: Path) -> None:
     assert "Damping ratio of the load against the held motor: 0.03 (assumed)" in said
 
 
-def test_an_identified_profile_takes_ten_questions(tmp_path: Path) -> None:
+def test_an_identified_profile_takes_ten_questions(tmp_path):
     identified = tmp_path / "q.toml"
     values = made.response(made.LINES)
     heads = ["frequency_hz", "re [m/s/N]", "im [m/s/N]"]
@@ -222,7 +222,7 @@ def test_an_identified_profile_takes_ten_questions(tmp_path: Path) -> None:
     assert "# ± " in identified.read_text("utf-8")
 
 
-def test_what_is_settled_can_be_changed_by_number_and_by_any_key(tmp_path: Path) -> None:
+def test_what_is_settled_can_be_changed_by_number_and_by_any_key(tmp_path):
     path = tmp_path / "p.toml"
     begin = SERVO.removesuffix("\n")
     _, said = talk(path, f"{begin}no such key\n3\n3 ms\ncontrol.minimum_bandwidth\n15\n<\n\n\n")
@@ -236,9 +236,7 @@ def test_what_is_settled_can_be_changed_by_number_and_by_any_key(tmp_path: Path)
 
 
 @given(m_1=st.floats(0.1, 100.0), ratio=st.floats(0.1, 10.0), f=st.floats(5.0, 200.0))
-def test_two_masses_have_the_frequency_response_of_their_modal_form(
-    m_1: float, ratio: float, f: float
-) -> None:
+def test_two_masses_have_the_frequency_response_of_their_modal_form(m_1, ratio, f):
     """Force to both positions: the springs' own equations of motion against the modal sum."""
     m_2, omega_a = ratio * m_1, 2.0 * pi * f
     k, d = m_2 * omega_a**2, 2.0 * 0.02 * m_2 * omega_a
@@ -263,7 +261,7 @@ def test_two_masses_have_the_frequency_response_of_their_modal_form(
 OF_MODE = ("frequency", "damping_ratio", "tcp_gain", "measured_gain")
 
 
-def test_rotary_axis_is_asked_in_rotary_units(tmp_path: Path) -> None:
+def test_rotary_axis_is_asked_in_rotary_units(tmp_path):
     _, said = talk(
         tmp_path / "table.toml",
         "Table\nC\nrotary\n\n800 N m\n420 N m\n2\n1.9\n6.4 kg m^2\n0.971e6\n"
@@ -279,7 +277,7 @@ def test_rotary_axis_is_asked_in_rotary_units(tmp_path: Path) -> None:
     assert "tower" not in said
 
 
-def test_values_at_the_motor_shaft_are_taken_for_those_at_the_axis(tmp_path: Path) -> None:
+def test_values_at_the_motor_shaft_are_taken_for_those_at_the_axis(tmp_path):
     """F = M r, m = J r^2 with r = 2 pi / lead: nobody has to turn them by hand."""
     mechanics = "1\n0.0076 kg m^2\n900 kg\n41.5 Hz\n"
     typed = f"Table\nX\n\n\n10 mm\n22,5 N m\n4 kN\n{mechanics}20 mm\n\n\n5um\n\n\n"
@@ -291,7 +289,7 @@ def test_values_at_the_motor_shaft_are_taken_for_those_at_the_axis(tmp_path: Pat
     assert "taken as 3000.36 kg" in said
 
 
-def test_modal_kind_takes_several_modes_and_several_moves(tmp_path: Path) -> None:
+def test_modal_kind_takes_several_modes_and_several_moves(tmp_path):
     talk(
         tmp_path / "m.toml",
         "A\nX\n\n\n\n2 kN\n\n3\n320\n38\n81\n\n20 mm\n\n0.1 m/s\n\n5um\n\n"
@@ -317,7 +315,7 @@ requirements.tcp_deviation = "20 um"
 """
 
 
-def test_an_open_loop_axis_is_asked_for_no_mass_and_no_loop(tmp_path: Path) -> None:
+def test_an_open_loop_axis_is_asked_for_no_mass_and_no_loop(tmp_path):
     """Else a printer gets a free-free frequency and a loop that it does not have."""
     said = from_answers(tmp_path / "p.toml", FOLLOWS_TOML)
     machine = read_profile(tmp_path / "p.toml")
@@ -335,7 +333,7 @@ def test_an_open_loop_axis_is_asked_for_no_mass_and_no_loop(tmp_path: Path) -> N
 # What follows from the answers
 
 
-def test_what_would_mislead_is_said_at_once() -> None:
+def test_what_would_mislead_is_said_at_once():
     """A load that takes all of the force, a mass that lacks its rotor."""
     told = said_of(PAIR_ON_SCREW | {"drive.max_force": "2 kN", "drive.static_load": "5 kN"})
     assert any(
@@ -354,7 +352,7 @@ def test_what_would_mislead_is_said_at_once() -> None:
 # Answers from files, and what is assumed
 
 
-def test_motor_and_load_have_the_modes_of_two_masses(tmp_path: Path) -> None:
+def test_motor_and_load_have_the_modes_of_two_masses(tmp_path):
     from_answers(tmp_path / "pair.toml", PAIR_TOML)
     machine = read_profile(tmp_path / "pair.toml")
     (mode,) = machine.mechanics.modes
@@ -363,7 +361,7 @@ def test_motor_and_load_have_the_modes_of_two_masses(tmp_path: Path) -> None:
     assert not machine.is_assumed("plant.modes[1].tcp_gain")
 
 
-def test_what_answers_put_in_place_of_an_edited_profile_is_said(tmp_path: Path) -> None:
+def test_what_answers_put_in_place_of_an_edited_profile_is_said(tmp_path):
     """Else a value that somebody mended in the profile is lost at the next call, in silence."""
     said = from_answers(tmp_path / "m.toml", PAIR_TOML)
     assert "replaces" not in said
@@ -373,7 +371,7 @@ def test_what_answers_put_in_place_of_an_edited_profile_is_said(tmp_path: Path) 
     assert "m.in replaces what was stated before: drive.max_force 80 N → 100 N written:" in said
 
 
-def test_missing_answers_are_named_all_at_once(tmp_path: Path) -> None:
+def test_missing_answers_are_named_all_at_once(tmp_path):
     with pytest.raises(InputError) as raised:
         from_answers(tmp_path / "m.toml", '[machine]\nname = "A"\n')
     keys = {fault.key for fault in raised.value.faults}
@@ -393,9 +391,7 @@ def test_missing_answers_are_named_all_at_once(tmp_path: Path) -> None:
         ("motor_mass", "motor", 'did you mean "pair.motor_mass"'),
     ],
 )
-def test_wrong_answers_write_nothing_and_are_located_in_their_file(
-    old: str, new: str, said: str, tmp_path: Path
-) -> None:
+def test_wrong_answers_write_nothing_and_are_located_in_their_file(old, new, said, tmp_path):
     """The profile is not written: a line of it would lead nowhere."""
     with pytest.raises(InputError) as raised:
         from_answers(tmp_path / "m.toml", PAIR_TOML.replace(old, new))
@@ -406,7 +402,7 @@ def test_wrong_answers_write_nothing_and_are_located_in_their_file(
 # A profile that is there
 
 
-def test_every_shipped_profile_survives_the_wizard(tmp_path: Path) -> None:
+def test_every_shipped_profile_survives_the_wizard(tmp_path):
     """Opened again without changes, a profile keeps every byte, and asks nothing."""
     for path in sorted(PROFILES.glob("*.toml")):
         copy = tmp_path / path.name
@@ -415,7 +411,7 @@ def test_every_shipped_profile_survives_the_wizard(tmp_path: Path) -> None:
         assert copy.read_bytes() == path.read_bytes()
 
 
-def test_an_assumed_key_goes_when_its_value_is_stated(tmp_path: Path) -> None:
+def test_an_assumed_key_goes_when_its_value_is_stated(tmp_path):
     """Windows line ends and all other lines stay; a table that was assumed falls into its keys."""
     path = tmp_path / "p.toml"
     text = (PROFILES / "modal-two-modes.toml").read_text("utf-8")
@@ -431,7 +427,7 @@ def test_an_assumed_key_goes_when_its_value_is_stated(tmp_path: Path) -> None:
     assert len(set(before.split(b"\r\n")) ^ set(after.split(b"\r\n"))) == 4
 
 
-def test_another_kind_of_mechanics_replaces_the_old_one() -> None:
+def test_another_kind_of_mechanics_replaces_the_old_one():
     text = (PROFILES / "milling-manipulator.toml").read_text("utf-8")
     answers = {key: value for key, value in to_answers(tomllib.loads(text)).items()
                if not key.startswith("damping_optimal.weights")}  # fmt: skip
@@ -441,7 +437,7 @@ def test_another_kind_of_mechanics_replaces_the_old_one() -> None:
     assert "# The reference machine: every mechanical number" in changed
 
 
-def test_a_broken_profile_is_mended_by_the_wizard(tmp_path: Path) -> None:
+def test_a_broken_profile_is_mended_by_the_wizard(tmp_path):
     """Opened with wrong values in it, the wizard says so and asks; it must not fail on them."""
     path = tmp_path / "p.toml"
     text = (PROFILES / "milling-manipulator.toml").read_text("utf-8")
@@ -454,7 +450,7 @@ def test_a_broken_profile_is_mended_by_the_wizard(tmp_path: Path) -> None:
 # Leaving and coming back
 
 
-def test_back_help_and_slips(tmp_path: Path) -> None:
+def test_back_help_and_slips(tmp_path):
     ending, said = talk(tmp_path / "m.toml", "<\nA\nback\nB\nX\n?\nturning\nlinear\n<\nq\n")
     assert ending is Ending.QUIT
     assert "quit at machine.motion; answers kept in" in said
@@ -482,14 +478,12 @@ def test_back_help_and_slips(tmp_path: Path) -> None:
         ("requirements.damping_spread", "0.3", "0.3", "0.3 = 30 %"),
     ],
 )
-def test_a_number_is_kept_with_its_unit_and_never_read_silently(
-    key: str, typed: str, kept: str, taken_as: str
-) -> None:
+def test_a_number_is_kept_with_its_unit_and_never_read_silently(key, typed, kept, taken_as):
     reply = read_reply(find_question(key, {"wizard.way": TOWER}), typed, ENGLISH)
     assert (reply.text, reply.taken_as) == (kept, taken_as)
 
 
-def test_a_move_is_a_distance_or_a_velocity_by_its_unit() -> None:
+def test_a_move_is_a_distance_or_a_velocity_by_its_unit():
     question = next(one for one in list_questions({}) if one.key == "moves.0.distance")
     assert read_reply(question, "20 mm", ENGLISH).key == "moves.0.distance"
     assert read_reply(question, "30 m/min", ENGLISH).key == "moves.0.velocity_step"
@@ -516,9 +510,7 @@ def _all_questions() -> list[tuple[Question, bool]]:
 
 
 @pytest.mark.parametrize("language", sorted(LANGUAGES))
-def test_every_question_fits_a_terminal_and_its_choices_are_read_in_any_language(
-    language: str,
-) -> None:
+def test_every_question_fits_a_terminal_and_its_choices_are_read_in_any_language(language):
     """And a rotary table is sent to no lead, which whoever looks for it would guess."""
     for question, is_rotary in _all_questions():
         words = Catalogue(language, rotary=is_rotary)
@@ -537,7 +529,7 @@ def test_every_question_fits_a_terminal_and_its_choices_are_read_in_any_language
                 assert language != "en" or linear not in (text + where).lower(), question.key
 
 
-def test_the_wizard_speaks_german_and_writes_german_comments(tmp_path: Path) -> None:
+def test_the_wizard_speaks_german_and_writes_german_comments(tmp_path):
     """German replies to choices count, and the profile is the same machine."""
     _, said = talk(tmp_path / "p.toml", PAPER, language="de")
     assert mechanical(read_profile(tmp_path / "p.toml")) == SHIPPED
@@ -548,7 +540,7 @@ def test_the_wizard_speaks_german_and_writes_german_comments(tmp_path: Path) -> 
 
 
 @pytest.mark.parametrize("name", ['"""', "a\\u0041\\", "'''x'''", "# [x] = 1", "Ω漢👩 🔧 é"])
-def test_any_name_survives_in_the_file(name: str, tmp_path: Path) -> None:
+def test_any_name_survives_in_the_file(name, tmp_path):
     quoted = json.dumps(name, ensure_ascii=False)
     from_answers(tmp_path / "p.toml", PAIR_TOML.replace('"Table"', quoted))
     assert read_profile(tmp_path / "p.toml").name == name

@@ -115,7 +115,7 @@ def terminal(folder: Path, *arguments: str, fresh: bool = False) -> Iterator[Ter
         os.close(file)
 
 
-def test_a_session_can_be_left_and_gone_on_from(tmp_path: Path) -> None:
+def test_a_session_can_be_left_and_gone_on_from(tmp_path):
     """On 80 columns in processes of their own: each begins where the one before was left, with all
     answers, and the last one writes the paper's machine as if nobody had ever left."""
     path, kept = tmp_path / "p.toml", tmp_path / "p.toml.answers"
