@@ -90,3 +90,7 @@ def test_every_kind_of_control_can_be_named_in_a_profile_and_exported(key):
     control = parse_profile(f'{MANIPULATOR}[control]\nkind = "{key}"\n', where="p.toml").control
     assert control.kind is KINDS[key]
     assert (key in CONTROL_KEYS) == (control.kind is not STATE_SPACE)
+    assert control.position_loop is control.kind.position_loops[0]
+    for one in ("position_cycle", "velocity_cycle", "velocity_feedforward"):
+        assert getattr(control, one) == getattr(control.kind, one), one
+    assert (control.reference_delay == 0.0) is (control.kind.reference_delay is False)
