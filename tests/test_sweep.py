@@ -84,7 +84,7 @@ def undisturbed(tmp_path_factory):
 
 def data_of(page: str) -> Any:
     """What the page of a sweep draws."""
-    return json.loads(page.partition('id="data">')[2].partition("</script>")[0])
+    return json.loads(page.partition('id="what-if-data">')[2].partition("</script>")[0])
 
 
 def command(folder: Path, *more: str) -> list[str]:
@@ -568,23 +568,26 @@ def test_files_of_others_are_left_alone(tmp_path, name, is_link):
 
 LOOK = """
 addEventListener("load", () => {
-  const found = {x: document.querySelector("#x").value, log: document.querySelector("#log").checked,
-    names: [...document.querySelectorAll("#x option")].map((option) => option.textContent),
-    labels: [2, 1.99995].map((value) => tick(value, 0.00005))};
-  document.querySelectorAll("#head button")[1].click();
-  document.querySelectorAll("#head button")[1].click();
-  document.querySelector("#body button").click();
-  found.sorted = [...document.querySelectorAll("#body button")].map((one) => one.textContent);
-  found.profile = document.querySelector("#profile").textContent;
+  const all = (selector) => [...document.querySelectorAll(selector)];
+  const found = {
+    x: document.querySelector("#wi-x").value,
+    log: document.querySelector("#wi-log").checked,
+    names: all("#wi-x option").map((option) => option.textContent),
+    labels: showTicks([1.99995, 2]).map(([, text]) => text)};
+  all("#wi-head button")[1].click();
+  all("#wi-head button")[1].click();
+  document.querySelector("#wi-cases button").click();
+  found.sorted = all("#wi-cases button").map((one) => one.textContent);
+  found.profile = document.querySelector("#wi-profile").textContent;
   found.paper = getComputedStyle(document.body).backgroundColor;
   const look = () => {
-    const pixels = [...document.querySelectorAll("canvas")].map((canvas) =>
-      canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data);
+    const plots = all(".pictures svg");
     // On a busy machine the plots are drawn later.
-    if (!pixels.every((one) => one.some((v) => v))) { setTimeout(look, 200); return; }
-    const {width} = document.querySelector("canvas");
-    const marks = pixels[0].filter((_, i) => i % 4 < 3 && (i >> 2) % width < 70);
-    tell({...found, drawn: pixels.length, brightest: Math.max(...marks)});
+    if (!plots.every((one) => one.childElementCount)) { setTimeout(look, 200); return; }
+    const {fill} = getComputedStyle(document.querySelector("svg text"));
+    const marks = all("#wi-plots .hit").map((one) => one.getAttribute("d").split("M").length - 1);
+    const ink = Math.max(...fill.match(/[0-9]+/g).map(Number));
+    tell({...found, drawn: plots.length, marks, ink});
   };
   setTimeout(look, 500);
 });
@@ -603,7 +606,7 @@ f_max,plant.base_stiffness
 @pytest.mark.skipif(CHROMIUM is None, reason="needs the browser chromium")
 @pytest.mark.parametrize(
     ("scheme", "paper", "is_bright"),
-    [(0, "rgb(21, 24, 28)", True), (1, "rgb(255, 255, 255)", False)],
+    [(0, "rgb(22, 22, 22)", True), (1, "rgb(255, 255, 255)", False)],
     ids=["dark", "light"],
 )
 def test_page_in_a_browser(tmp_path, scheme, paper, is_bright):
@@ -621,14 +624,15 @@ def test_page_in_a_browser(tmp_path, scheme, paper, is_bright):
     assert "Uncaught" not in console
     assert (seen["x"], seen["log"]) == ("drive.max_force", True)
     assert seen["names"] == ["Max force [kN]", "Base stiffness [MN/m]"]
-    assert seen["labels"] == ["2", "1.99995"]
+    assert seen["labels"] == ["1.99995", "2"]
     assert seen["sorted"] == ["1", "2", "0", "4", "3"], "by F_max, down"
     expected = vary_profile(TEXT, plan.settings(1), where="p")
     assert parse_profile(seen["profile"], where="p") == parse_profile(expected, where="p")
     # One for each column, and two of several columns at once.
     assert seen["drawn"] == len(data_of(page)["plotted"]) + 2
     assert seen["paper"] == paper
-    assert (seen["brightest"] > 140) == is_bright
+    assert (seen["ink"] > 140) == is_bright
+    assert seen["marks"] == [table.done] * len(data_of(page)["plotted"])
 
 
 def test_page_runs_nothing_but_its_own_script(tmp_path):
@@ -636,10 +640,10 @@ def test_page_runs_nothing_but_its_own_script(tmp_path):
     hostile = TEXT.replace('name = "', 'name = "</script><script>alert(1)</script>', 1)
     plan = replace(plan_of(), profile_text=hostile, where="<b>x</b>")
     page = print_sweep(plan, read_table(plan, run_sweep(plan, folder=tmp_path)), WORDS, created="")
-    assert page.count("<script") == 2
+    assert page.count("<script") == 3, "the plots' data, the columns, the page's own"
     assert "<b>" not in page
     assert "default-src 'none'" in html.unescape(page)
-    assert not re.search(r"(?:src|href)=|https?://", page.split('id="data"')[0])
+    assert not re.search(r'src=|href=(?!"#)|https?://', page.split('id="plots"')[0])
 
 
 # Clusters

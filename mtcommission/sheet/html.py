@@ -40,7 +40,7 @@ def set_html(document: Document, *, panel: Interactive | None = None) -> str:
     """
     style = _read(FOLDER / "page.css") + (_read(FOLDER / "what_if.css") if panel else "")
     own = (FOLDER / "knobs.js", *panel.scripts) if panel else ()
-    script = "".join(map(_read, (FOLDER / "page.js", *own)))
+    script = "".join(map(_read, (FOLDER / "kit.js", FOLDER / "page.js", *own)))
     plots = {
         block.key: _plot_data(block)
         for section in document.sections

@@ -1,74 +1,9 @@
-"use strict";
 // Draws the plots of the sheet: zoom by dragging, values under the cursor, linked axes.
 
-const WIDEST = 900, NARROWEST = 340, LEFT = 62, RIGHT = 18, PANEL = 110, TITLE = 22, LEGEND = 26, FOOT = 42;
-const data = JSON.parse(document.getElementById("plots").textContent);
+const WIDEST = 900, NARROWEST = 340, PANEL = 110, LEGEND = 26;
 const linked = new Map();
 // Drawing units of the plot that is being drawn: pixels, so that letters stay as large as they are.
 let across = WIDEST;
-
-function add(parent, name, attributes, text) {
-  const node = document.createElementNS("http://www.w3.org/2000/svg", name);
-  for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
-  if (text !== undefined) node.textContent = text;
-  parent.append(node);
-  return node;
-}
-
-function show(value) {
-  if (value === 0) return "0";
-  const short = String(Number(value.toPrecision(4)));
-  return short.replace("-", "−").replace(".", data.decimal_mark);
-}
-
-function ticks(low, high, isLog) {
-  if (isLog) {
-    const found = [], narrow = high / low < 30;
-    for (let power = Math.floor(Math.log10(low)); power <= Math.ceil(Math.log10(high)); power++)
-      for (const part of narrow ? [1, 1.5, 2, 3, 5, 7] : [1]) found.push(Number((part * 10 ** power).toPrecision(3)));
-    const inside = found.filter(tick => tick >= low && tick <= high);
-    if (inside.length > (narrow ? 3 : 1)) return inside;
-  }
-  const rough = (high - low) / 5, size = 10 ** Math.floor(Math.log10(rough));
-  const step = [1, 2, 5, 10].find(part => part * size >= rough) * size;
-  const found = [];
-  for (let i = Math.ceil(low / step); i * step <= high * (1 + 1e-12); i++) found.push(i * step);
-  return found;
-}
-
-function scale(low, high, from, to, isLog) {
-  const forward = isLog ? Math.log : value => value, back = isLog ? Math.exp : value => value;
-  const a = forward(low), b = forward(high);
-  return {
-    low, high, isLog, from, to,
-    at: value => from + (forward(value) - a) / (b - a) * (to - from),
-    of: place => back(a + (place - from) / (to - from) * (b - a)),
-  };
-}
-
-function widen(low, high, isLog) {
-  if (isLog) return [low / 1.08, high * 1.08];
-  const room = 0.06 * (high - low) || Math.abs(high) || 1;
-  return [low - room, high + room];
-}
-
-function frame(svg, x, y, clip) {
-  for (const tick of ticks(x.low, x.high, x.isLog))
-    add(svg, "path", {class: "grid", d: `M${x.at(tick)} ${y.from}V${y.to}`});
-  for (const tick of ticks(y.low, y.high, y.isLog)) {
-    add(svg, "path", {class: "grid", d: `M${x.from} ${y.at(tick)}H${x.to}`});
-    add(svg, "text", {x: x.from - 6, y: y.at(tick) + 4, "text-anchor": "end"}, show(tick));
-  }
-  const box = {x: x.from, y: y.to, width: x.to - x.from, height: y.from - y.to};
-  add(add(svg, "clipPath", {id: clip}), "rect", box);
-  add(svg, "rect", {class: "frame", ...box});
-}
-
-function labelX(svg, x, bottom, label) {
-  for (const tick of ticks(x.low, x.high, x.isLog))
-    add(svg, "text", {x: x.at(tick), y: bottom + 16, "text-anchor": "middle"}, show(tick));
-  add(svg, "text", {x: (x.from + x.to) / 2, y: bottom + 34, "text-anchor": "middle"}, label);
-}
 
 function inView(line, low, high) {
   const x = line.x;
@@ -213,8 +148,7 @@ function start(host) {
 function listen(svg, me, group) {
   const all = action => group.forEach(action);
   const read = event => {
-    const spot = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
-    const {x} = me.drawn, px = Math.min(Math.max(spot.x, x.from), x.to);
+    const {x} = me.drawn, px = Math.min(Math.max(spotOf(svg, event).x, x.from), x.to);
     return {px, x: x.of(px)};
   };
   let begun = null, brush = null;

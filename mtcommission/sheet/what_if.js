@@ -1,5 +1,5 @@
 // What if: sliders and fields, and what the engine makes of them, frame by frame.
-// Draws with the plots' own functions (page.js).
+// Draws with kit.js.
 
 const whatIf = (() => {
   const host = document.getElementById("what-if");
@@ -189,18 +189,6 @@ const whatIf = (() => {
 
   // ---- plots ----
 
-  const WIDE = 560, HIGH = 250;
-  function canvas(key, xs, ys, labels, {xLog = false, yLog = false, right = RIGHT} = {}) {
-    const svg = id(key), width = Math.max(300, Math.min(WIDE, svg.parentNode.clientWidth || WIDE));
-    svg.replaceChildren();
-    svg.setAttribute("viewBox", `0 0 ${width} ${HIGH + FOOT + TITLE}`);
-    const x = scale(...xs, LEFT, width - right, xLog), y = scale(...ys, TITLE + HIGH, TITLE, yLog);
-    frame(svg, x, y, `wi-clip-${key}`);
-    add(svg, "text", {x: LEFT, y: TITLE - 6}, labels[1]);
-    labelX(svg, x, TITLE + HIGH, labels[0]);
-    return {svg, x, y, inside: add(svg, "g", {"clip-path": `url(#wi-clip-${key})`}), width};
-  }
-
   const inHertz = say("in_unit", {name: words.frequency, unit: "Hz"});
   const inUnit = (name, unit) => say("in_unit", {name, unit: units[unit].unit});
 
@@ -220,7 +208,7 @@ const whatIf = (() => {
     const shown = [tried, ...columns].filter(found => found && !found.saturated);
     const end = 1.5 * Math.max(...[tried, ...columns].map(found => found.responses[0].end)) / units.time.size;
     const most = Math.max(1.4 * band, ...shown.map(found => Math.min(found.peak / units.deviation.size, 12 * band)));
-    const {x, y, inside} = canvas("response", [0, end], [-1.05 * most, 1.05 * most], [inUnit(words.time, "time"), inUnit(words.deviation, "deviation")]);
+    const {x, y, inside} = chart(id("response"), [0, end], [-1.05 * most, 1.05 * most], [inUnit(words.time, "time"), inUnit(words.deviation, "deviation")]);
     for (const sign of [1, -1]) add(inside, "path", {class: "border", d: `M${x.from} ${y.at(sign * band)}H${x.to}`});
     add(inside, "path", {class: "cursor", d: `M${x.at(tried.responses[0].end / units.time.size)} ${y.from}V${y.to}`});
     const draw = (response, style) => curve(inside, x, y, units.time.size, units.deviation.size, response, style);
@@ -274,7 +262,7 @@ const whatIf = (() => {
     const size = units.deviation.size, band = model.requirements.tcp_deviation / size;
     const values = rows.filter(row => Number.isFinite(row.residual) && row.residual !== null);
     const most = Math.max(1.3 * band, ...values.map(row => Math.min(row.residual / size, 8 * band)));
-    const {svg, x, y, inside} = canvas("sizes", [LEAST * largest, 1.05 * largest], [0, 1.05 * most], [inUnit(words.field_size, sizeUnit(state.move)), inUnit(words.residual, "deviation")], {xLog: true});
+    const {svg, x, y, inside} = chart(id("sizes"), [LEAST * largest, 1.05 * largest], [0, 1.05 * most], [inUnit(words.field_size, sizeUnit(state.move)), inUnit(words.residual, "deviation")], {xLog: true});
     add(inside, "path", {class: "border", d: `M${x.from} ${y.at(band)}H${x.to}`});
     const d = values.map((row, i) => `${i ? "L" : "M"}${x.at(row.size / unit.size).toFixed(1)} ${y.at(row.residual / size).toFixed(1)}`).join("");
     add(inside, "path", {class: "curve s4", d});
@@ -308,7 +296,7 @@ const whatIf = (() => {
 
   function drawLandscape() {
     const [low, high] = ramps(), {low: least, high: most} = field.acceleration, a = units.acceleration.size, t = units.time.size;
-    const {svg, x, y, inside} = canvas("landscape", [low / t, high / t], [least / a, most / a], [inUnit(words.jerk_time, "time"), inUnit(words.acceleration, "acceleration")], {xLog: true, yLog: true});
+    const {svg, x, y, inside} = chart(id("landscape"), [low / t, high / t], [least / a, most / a], [inUnit(words.jerk_time, "time"), inUnit(words.acceleration, "acceleration")], {xLog: true, yLog: true});
     const met = land.cells.filter(value => value !== null), fastest = Math.log(Math.min(...met)), slowest = Math.log(Math.max(...met)) + 1e-9;
     const hatch = add(svg, "pattern", {id: "wi-hatch", width: 6, height: 6, patternUnits: "userSpaceOnUse"});
     add(hatch, "path", {class: "hatch", d: "M0 6L6 0"});
@@ -370,12 +358,12 @@ const whatIf = (() => {
     sayMargins(before, 0);
     sayMargins(now, 1);
     const db = ([a, b]) => 20 * Math.log10(Math.hypot(a, b)), f = now.frequency, low = field.notch_frequency.low / 4, high = f[f.length - 1];
-    const {svg, x, y, inside} = canvas("bode", [low, high], [-60, 50], [inHertz, words.magnitude], {xLog: true});
+    const {svg, x, y, inside} = chart(id("bode"), [low, high], [-60, 50], [inHertz, words.magnitude], {xLog: true});
     const line = (fs, values, className) => add(inside, "path", {class: className, d: fs.map((one, i) => one < low ? "" : `L${x.at(one).toFixed(1)} ${y.at(values[i]).toFixed(1)}`).join("").replace(/^L/, "M")});
     add(inside, "path", {class: "border", d: `M${x.from} ${y.at(0)}H${x.to}`});
     line(before.frequency, before.L.map(db), "curve s2");
     line(f, now.L.map(db), "curve s4 strong");
-    const phase = canvas("bode-phase", [low, high], [-360, 0], [inHertz, words.phase], {xLog: true});
+    const phase = chart(id("bode-phase"), [low, high], [-360, 0], [inHertz, words.phase], {xLog: true});
     add(phase.inside, "path", {class: "border", d: `M${x.from} ${phase.y.at(-180)}H${x.to}`});
     for (const [found, className] of [[before, "curve s2"], [now, "curve s4 strong"]]) {
       let d = "", last = null;
@@ -430,8 +418,8 @@ const whatIf = (() => {
     const svg = id(key);
     let isDown = false;
     const read = event => {
-      const spot = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
-      svg.pick?.(spot.x, spot.y);
+      const {x, y} = spotOf(svg, event);
+      svg.pick?.(x, y);
     };
     svg.addEventListener("pointerdown", event => { isDown = true; if (event.isTrusted) svg.setPointerCapture(event.pointerId); read(event); event.preventDefault(); });
     svg.addEventListener("pointermove", event => { if (isDown) read(event); });

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -11,9 +13,10 @@ import polars as pl
 
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
-from mtcommission.base.web import json_for_script, render_page
 from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.profile.read import parse_profile
+from mtcommission.sheet.document import Document, Paragraph, Section
+from mtcommission.sheet.html import set_html
 from mtcommission.sweep.plan import Plan, Quantity, piece_size, si_number, vary_profile
 from mtcommission.sweep.solve import DONE, Column, columns
 from mtcommission.sweep.store import Store, write_safely
@@ -155,24 +158,48 @@ SAID = ("yes", "no", "case", "over", "over-two", "numbers", "page", "chosen", "f
 """Texts that the script says; %1 and %2 stand for its values."""
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SweepPanel:
+    """What says the template's texts, and the columns that the script draws."""
+
+    say: Callable[[str], str]
+    marks: str
+    scale: str
+    data: Mapping[str, Any]
+    template: Path = FOLDER / "sweep.html"
+    scripts: tuple[Path, ...] = (FOLDER / "sweep.js",)
+
+
 def print_sweep(plan: Plan, table: SweepTable, words: Catalogue, *, created: str) -> str:
     """Return the page of a sweep begun at a date (ISO 8601).
 
     HTML with all text escaped, admitted by hashes to run its own script only.
     """
-    return render_page(
-        FOLDER,
-        style=(FOLDER / "page.css").read_text(encoding="utf-8"),
-        script=(FOLDER / "page.js").read_text(encoding="utf-8"),
-        name=plan.where,
-        language=words.language,
-        say=words.text,
-        summary=summarise(table, words),
-        asked=words.say(table.asked),
-        created=created,
-        good=words.text("sweep-page-good", kind=table.flag),
-        data=json_for_script(_page_data(plan, table, words)),
+    machine = parse_profile(plan.profile_text, where=plan.where)
+    said = [*summarise(table, words), words.say(table.asked)]
+    verdict = Section(
+        key="verdict",
+        heading=words.text("verdict"),
+        blocks=tuple(Paragraph(text=line) for line in said),
     )
+    good = words.text("sweep-page-good", kind=table.flag)
+    document = Document(
+        language=words.language,
+        title=words.text("sweep-page-title", name=plan.where),
+        machine=machine.name,
+        axis=f"{words.text('axis')} {machine.axis}",
+        identity=plan.where,
+        created=created,
+        disclaimer=words.text("sweep-page-units"),
+        sections=(verdict,),
+    )
+    panel = SweepPanel(
+        say=partial(words.own, "sweep-page"),
+        marks=words.text("sweep-page-marks", good=good),
+        scale=words.text("sweep-page-scale", good=good),
+        data=_page_data(plan, table, words),
+    )
+    return set_html(document, panel=panel)
 
 
 def _page_data(plan: Plan, table: SweepTable, words: Catalogue) -> dict[str, Any]:
