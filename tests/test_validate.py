@@ -8,6 +8,7 @@ from dataclasses import replace
 from html import unescape
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from mtcommission.base.messages import LANGUAGES
@@ -16,10 +17,11 @@ from mtcommission.machine.moves import VelocityStep
 from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.optimal.control import follow_control
 from mtcommission.validate import page
-from mtcommission.validate.bounded import bounded_rows, damping_rows
-from mtcommission.validate.free import scan_forces, time_rows
-from mtcommission.validate.page import Validation, name_of, print_validation, validate
-from mtcommission.validate.paper import T_F, Row, Verdict, number, tell
+from mtcommission.validate.damping import damping_rows
+from mtcommission.validate.page import Validation, print_validation, validate
+from mtcommission.validate.paper import T_F, Claim, Number, Row, Verdict, tell
+from mtcommission.validate.state_bound import bounded_rows
+from mtcommission.validate.time_optimal import scan_forces, time_rows
 from tests.conftest import Run
 from tests.machines import paper_machine
 
@@ -37,15 +39,16 @@ def plant() -> Plant:
 
 
 def pick(rows: list[Row], key: str, **values: object) -> Row:
-    (row,) = [row for row in rows if row.key == key and {**row.values, **values} == row.values]
+    of_key = [row for row in rows if row.source.key == key]
+    (row,) = [row for row in of_key if {**row.values, **values} == row.values]
     return row
 
 
 def test_every_row_is_explained(found: Validation) -> None:
     """The command's exit code: an unexplained difference is a fault of ours."""
-    assert [row.key for row in found.rows if row.verdict is Verdict.OUT] == []
+    assert [row.source.key for row in found.rows if row.verdict is Verdict.OUT] == []
     assert found.is_met
-    assert {row.key for row in found.rows if row.verdict is Verdict.DIFFERS} == {
+    assert {row.source.key for row in found.rows if row.verdict is Verdict.DIFFERS} == {
         "law-as-printed",
         "switches-everywhere",
         "bang-arcs",
@@ -58,16 +61,19 @@ def test_every_row_is_explained(found: Validation) -> None:
 
 
 def test_numbers_are_judged_by_their_tolerance() -> None:
-    def verdict(printed: float, ours: float, **values: float) -> Verdict:
-        return number("increase", printed, ours, 0.1, **values).verdict
+    def verdict(
+        printed: float, ours: float, correct: float | None = None, literal: float | None = None
+    ) -> Verdict:
+        source = Number("increase", "5.2", printed, correct=correct)
+        return source.beside(ours, 0.1, literal=literal).verdict
 
     assert verdict(1.0, 1.09) is Verdict.AGREES
     assert verdict(1.0, 1.11) is Verdict.OUT
     assert verdict(1.0, float("nan")) is Verdict.OUT
-    assert verdict(3.0, 1.05, corrected=1.0) is Verdict.CORRECTED
-    assert verdict(3.0, 2.0, corrected=1.0) is Verdict.OUT
-    assert verdict(3.0, 3.05, literal=0.0) is Verdict.CORRECTED
-    assert verdict(3.0, 1.0, literal=0.0) is Verdict.OUT
+    assert verdict(3.0, 1.05, correct=1.0) is Verdict.CORRECTED
+    assert verdict(3.0, 2.0, correct=1.0) is Verdict.OUT
+    assert verdict(3.0, 3.05, 3.0, literal=0.0) is Verdict.CORRECTED
+    assert verdict(3.0, 1.0, 3.0, literal=0.0) is Verdict.OUT
 
 
 def test_a_wrong_solver_is_caught(found: Validation) -> None:
@@ -88,12 +94,12 @@ def test_a_wrong_solver_is_caught(found: Validation) -> None:
 
 
 def test_scan_finds_the_range_of_seven_switches(plant: Plant) -> None:
-    scan = scan_forces(plant, STEP, lowest=1200.0, highest=1350.0, count=6)
-    ((lowest, highest, optima),) = scan.ranges
+    scan = scan_forces(plant, STEP, np.geomspace(1200.0, 1350.0, 6).tolist())
     assert scan.gap < 1e-9
-    assert {len(optimum.switching_times) for optimum in optima} == {7}
-    assert (lowest, highest) == pytest.approx((1252.65, 1294.6), rel=2e-4)
-    ((lowest, *_),) = scan_forces(plant, STEP, lowest=1270.0, highest=1350.0, count=3).ranges
+    assert {len(optimum.switching_times) for optimum in scan.exceptions} == {7}
+    (found,) = scan.ranges
+    assert found == pytest.approx((7, 1252.65, 1294.6), rel=2e-4)
+    ((_, lowest, _),) = scan_forces(plant, STEP, [1270.0, 1310.0, 1350.0]).ranges
     assert lowest == pytest.approx(1270.0)
 
 
@@ -110,27 +116,29 @@ def test_documentation_holds_the_rows_of_the_command(found: Validation) -> None:
     """docs/validation.md is read by those who do not run the command."""
     documented = documented_rows()
     expected = [
-        row for rows in found.parts.values() for row in sorted(rows, key=lambda r: r.is_claim)
+        row
+        for rows in found.parts.values()
+        for row in sorted(rows, key=lambda row: isinstance(row.source, Claim))
     ]
     assert len(documented) == len(expected)
     for cells, row in zip(documented, expected, strict=True):
         told = tell(row, Catalogue())
-        assert cells[:4] == [told.place, name_of(told), told.printed, told.corrected]
-        assert cells[-1] == row.verdict.value
-        if not row.is_claim:
-            rounding = row.tolerance if row.printed_value == 0.0 else 0.0
-            assert float(cells[4]) == pytest.approx(row.ours_value, rel=1e-6, abs=rounding)
+        assert cells[:4] == [told.place, told.name, told.printed, told.corrected]
+        assert cells[-1] == told.verdict
+        if isinstance(row.source, Number):
+            rounding = 0.0 if row.source.printed else row.tolerance
+            assert float(cells[4]) == pytest.approx(row.ours, rel=1e-6, abs=rounding)
 
 
 def test_page_names_first_what_does_not_hold(found: Validation) -> None:
     """A reader must not have to search 70 rows for what the paper got wrong."""
     printed = unescape(print_validation(found, Catalogue(), created="today"))
-    head = printed[: printed.index('id="part-1"')]
-    assert "relative (sec. 5.2): printed 0.23; correct 0.1998621" in head
-    assert head.count("Does not hold:") == 4
-    assert head.count("Misprint:") == 9
+    head = printed[: printed.index('id="plant"')]
+    assert "relative: agrees with the correction; paper: 0.23; correct: 0.1998621" in head
+    assert head.count("differs, with reason;") == 4
+    assert head.count("agrees with the correction;") == 9
     german = unescape(print_validation(found, Catalogue("de"), created="heute"))
-    assert german.count("Gilt nicht:") == 4
+    assert german.count("weicht begründet ab;") == 4
 
 
 @pytest.mark.parametrize("is_met", [True, False])
@@ -138,8 +146,9 @@ def test_command(
     found: Validation, is_met: bool, monkeypatch: pytest.MonkeyPatch, run: Run, tmp_path: Path
 ) -> None:
     """argv -> JSON alone on standard output, the page in its folder, exit code by verdict."""
-    row = number("increase", 1.0, 1.0 if is_met else 2.0, 0.0, {"own": 1.0})
-    shown = replace(found, parts=found.parts | {"more": [row]})
+    row = Number("increase", "5.2", 1.0).beside(1.0 if is_met else 2.0, 0.0, own=1.0)
+    parts = found.parts | {"conclusion": [*found.parts["conclusion"], row]}
+    shown = replace(found, parts=parts)
     monkeypatch.setattr(page, "validate", lambda progress: shown)
     code, said, _ = run("validate", "--json", "-", "-o", tmp_path / "out")
     assert code == (0 if is_met else 1)

@@ -14,7 +14,13 @@ from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.machine.readers import SignalValue
 from mtcommission.machine.requirements import Reserve
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
-from mtcommission.optimal.control import DampingOptimum, TimeOptimum
+from mtcommission.optimal.control import (
+    AnyOptimum,
+    DampingOptimum,
+    TimeOptimum,
+    Trajectory,
+    sample_trajectory,
+)
 from mtcommission.optimal.damping import solve_damping_optimal
 from mtcommission.optimal.free import solve_time_optimal
 from mtcommission.validate.paper import BOUNDED_T_F, FORCE_LIMIT, RATE_BOUND
@@ -33,9 +39,13 @@ class Cases:
     bounded: TimeOptimum
     damping: DampingOptimum
 
-    def peak(self, peaks: Array, name: str) -> float:
-        """Return the peak of a state, from those of all signals."""
-        return float(peaks[self.plant.signals.index(name)])
+    def peak(self, best: AnyOptimum, name: str) -> float:
+        """Return the largest magnitude of a state under an optimal control."""
+        return float(best.peaks[self.plant.signals.index(name)])
+
+    def sample(self, best: AnyOptimum, *, count: int) -> Trajectory:
+        """Return the motion under an optimal control, in steps of t_f / ``count``."""
+        return sample_trajectory(self.plant, best.arcs, step=best.t_f / count)
 
 
 def solve_cases() -> Cases:
@@ -57,3 +67,8 @@ def solve_cases() -> Cases:
         bounded=solve_bounded_time_optimal(plant, move, force_limit=F, bounds=bounds),
         damping=solve_damping_optimal(plant, move, force_limit=F, t_f=BOUNDED_T_F, weights=weights),
     )
+
+
+def symbol(state: str) -> str:
+    """Return the paper's sign of a state."""
+    return state.replace("phi", "φ")

@@ -5,16 +5,8 @@ validate-unexplained = Einige Zeilen liegen außerhalb der Toleranz
 validate-remark = { $source }. Jede Zahl und Aussage der Veröffentlichung steht wie gedruckt, auf Englisch. Bei einem Druckfehler wird die Berichtigung angegeben und beurteilt; wo eine Aussage nicht gilt, sagt die Zeile, was sie widerlegt.
 validate-count = { $count } Zeilen: { $agrees } stimmen überein, { $corrected } mit Berichtigung, { $differs } weichen begründet ab, { $out } außerhalb der Toleranz.
 validate-all-rows = Die übrigen Zeilen stimmen wie gedruckt: --all zeigt sie hier, -o DIR auf einer Seite.
-validate-found = { $verdict ->
-    [out] Unerklärt
-    [differs] Gilt nicht
-   *[corrected] Druckfehler
-}: { $quantity } ({ $place }): gedruckt { $printed }; { $is ->
-    [correct] richtig
-   *[ours] unser Wert
-} { $value }.
 validate-tested-by = Toleranz oder Prüfung von { $names }: { $basis }.
-validate-figures = Bild 4 und 5 noch einmal
+validate-part-figures = Bild 4 und 5 noch einmal
 validate-head-printed = Gedruckt
 validate-head-correct = Richtig
 validate-head-ours = Unser Wert

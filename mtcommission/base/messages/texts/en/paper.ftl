@@ -1,10 +1,10 @@
-# The rows of the comparison with the paper: what is compared, ours, what it was judged by, and why it differs. Signs as every terminal has them; what the paper prints stands as it prints it.
+# The rows of the comparison with the paper: what is compared, ours, what it was judged by, and why it differs. What the paper prints stands as it prints it.
 
 paper-place = sec. { $at }
 paper-our-loop = our loop
 paper-certified = certified optimum
 paper-certified-to = certified optimum, relative gap { PLAIN($gap, digits: 1) }
-paper-entry = lambda(0) of our certificate up to the entry
+paper-entry = λ(0) of our certificate up to the entry
 paper-limits = a = { PLAIN($acceleration, digits: 3) } m/s², j = { PLAIN($jerk, digits: 3) } m/s³
 paper-figure-caption = Fig. { $number }: time-optimal solution, F_max = 2 kN{ $number ->
         [5] , |v_φ| ≤ 0.005 rad/s
@@ -12,10 +12,10 @@ paper-figure-caption = Fig. { $number }: time-optimal solution, F_max = 2 kN{ $n
     }
 paper-kalman-rank = rank of the Kalman matrix
     .basis = { json-whole-number }
-    .reason = Decided after scaling the states. In SI units the entries of C span { PLAIN($decades, digits: 0, style: "f") } decades, and rounding makes its rank look like { $unscaled }.
+    .reason = Decided after scaling the states. In SI units rounding makes its rank look like { $unscaled }.
 paper-adjoint-equations = adjoint equations: largest error of a coefficient, relative to the largest
     .basis = rounding; printed coefficients against -A of our plant
-paper-order = order of the constraint on v_phi
+paper-order = order of the constraint on v_φ
     .ours = order { $order }
     .basis = c A^(k-1) B of our plant
 paper-active-damping = structural vibration damped by feedback
@@ -31,10 +31,7 @@ paper-transfer-time = transfer time under feedback
     .basis = { paper-our-loop }
     .reason = Counted as much larger: { PLAIN($much) } times. How far a loop comes down depends on its tuning, of which the paper says nothing.
 paper-jerk-control = productivity with damping asks for jerk control
-    .ours = { $pays ->
-        [yes] { $limits }: peak |v_phi| { PLAIN($smooth, digits: 1, style: "f", unit: "mrad") } instead of { PLAIN($rough, digits: 1, style: "f", unit: "mrad") } mrad/s without jerk limit, and settled sooner
-       *[no] the jerk limit does not pay
-    }
+    .ours = { $limits }: peak |v_φ| { PLAIN($smooth, digits: 1, style: "f", unit: "mrad") } instead of { PLAIN($rough, digits: 1, style: "f", unit: "mrad") } mrad/s without jerk limit; settling times in the row before
     .basis = { paper-our-loop }
 paper-jerk-follows = what the possible jerk depends on
     .ours = base at { PLAIN($base_soft, digits: 1, style: "f") }, { PLAIN($base, digits: 1, style: "f") }, { PLAIN($base_stiff, digits: 1, style: "f") } Hz: j = { PLAIN($j_base_soft, digits: 1, style: "f") }, { PLAIN($j_base, digits: 1, style: "f") }, { PLAIN($j_base_stiff, digits: 1, style: "f") } m/s³; tower at { PLAIN($tower_soft, digits: 1, style: "f") }, { PLAIN($tower, digits: 1, style: "f") }, { PLAIN($tower_stiff, digits: 1, style: "f") } Hz: j = { PLAIN($j_tower_soft, digits: 1, style: "f") }, { PLAIN($j_tower, digits: 1, style: "f") }, { PLAIN($j_tower_stiff, digits: 1, style: "f") } m/s³
@@ -47,25 +44,21 @@ paper-final-time = t_f
     .reason = No control reaches the target before { PLAIN($least, digits: 9, style: "f") } s (proved), so the printed t_f is too short. Explicit Euler steps err in this direction, in proportion to the step.
 paper-terminal-error = { $state }(t_f) of the printed control, integrated exactly
     .basis = { PLAIN($share) } of the peak: three decimals of (12)
-paper-adjoint = lambda_{ $state }(0)
+paper-adjoint = λ_{ $state }(0)
     .basis = what 1e-4 s in the switching times does to it, and 0.1 %
-    .reason = { $is_off ->
-        [yes] { PLAIN($off, digits: 1, style: "f", unit: "%") } % off: agrees only within what the short arcs of (12) leave open, see the row on the adjoint that these times imply.
-       *[no] {""}
-    }
-paper-adjoint-implied = lambda(0) that the printed times (12) imply: largest relative deviation
+paper-adjoint-implied = λ(0) that the printed times (12) imply: largest relative deviation
     .basis = two of the printed digits
-    .reason = Times and adjoint of the paper fit each other to { PLAIN($deviation, digits: 1, style: "f", unit: "%") } %; the rounding of (12) to 1e-6 s explains { PLAIN($rounding, digits: 1, unit: "%") } %. The rest of what separates our lambda(0) from the printed one are the times, above all those of the second arc, only { PLAIN($arc, digits: 2, style: "f", unit: "ms") } ms long.
-paper-hamiltonian = H at t = 0 with the printed lambda(0)
+    .reason = Times and adjoint of the paper fit each other to { PLAIN($deviation, digits: 1, style: "f", unit: "%") } %; the rounding of (12) to 1e-6 s explains { PLAIN($rounding, digits: 1, unit: "%") } %. The rest of what separates our λ(0) from the printed one, up to { PLAIN($off, digits: 1, style: "f", unit: "%") } %, are the times, above all those of the second arc, only { PLAIN($arc, digits: 2, style: "f", unit: "ms") } ms long.
+paper-hamiltonian = H at t = 0 with the printed λ(0)
     .basis = three digits
-    .reason = H = 0 demands lambda_F(0) = -T / F_max = -1.25e-6; printed is -1.2503e-6.
+    .reason = H = 0 demands λ_F(0) = -T / F_max = -1.25e-6; printed is -1.2503e-6.
 paper-switching-law = switching law
-    .ours = holds on the whole interval; { $zeros } zeros of lambda_F, at the switches
+    .ours = holds on the whole interval; { $zeros } zeros of λ_F, at the switches
     .basis = certificate, and zeros of the adjoint integrated apart from it
-paper-law-as-printed = the reader may verify (9) with the printed lambda(0)
-    .ours = integrated forward lambda_F has { $forward } zeros instead of 5, the last at { PLAIN($last, digits: 1, style: "f", unit: "ms") } ms; backward from H = 0 it has { $backward }, off by up to { PLAIN($off, digits: 2, style: "f", unit: "ms") } ms
+paper-law-as-printed = the reader may verify (9) with the printed λ(0)
+    .ours = integrated forward λ_F has { $forward } zeros instead of 5, the last at { PLAIN($last, digits: 1, style: "f", unit: "ms") } ms; backward from H = 0 it has { $backward }, off by up to { PLAIN($off, digits: 2, style: "f", unit: "ms") } ms
     .basis = (8) by matrix exponentials
-    .reason = The force lag makes errors of lambda(0) grow like e^(t/T), by { PLAIN($growth, digits: 1) } over t_f: six or seven printed digits do not last. The law itself holds, see the row before.
+    .reason = The force lag makes errors of λ(0) grow like e^(t/T), by { PLAIN($growth, digits: 1) } over t_f: six or seven printed digits do not last. The law itself holds, see the row before.
 paper-jacobian-rank = rank of the 6 x 6 Jacobian of the terminal conditions
     .basis = { json-whole-number }
     .reason = Full rank proves a strict local optimum; that it is global, our lower bound proves, with a relative gap of { PLAIN($gap, digits: 1) }.
@@ -78,20 +71,18 @@ paper-switches-everywhere = number of switches for all F_max > 0
        *[other] { $usual }, but { $exceptions }
     }
     .basis = { $count } certified optima from { PLAIN($lowest) } to { PLAIN($highest, digits: 6) } N, largest relative gap { PLAIN($gap, digits: 1) }
-    .reason = Within the machine's own range (F_max <= { PLAIN($range, unit: "kN") } kN) a double zero of the switching function opens into two more switches. The optimum is unique and proved, so five switches are slower there. The shortest arc is at most { PLAIN($arc, digits: 0, style: "f", unit: "us") } µs long: easily lost on a grid. Between the forces looked at nothing is proved.
+    .reason = Within the machine's own range (F_max ≤ { PLAIN($range, unit: "kN") } kN) a double zero of the switching function opens into two more switches. The optimum is unique and proved, so five switches are slower there. The shortest arc is at most { PLAIN($arc, digits: 0, style: "f", unit: "us") } µs long: easily lost on a grid. Between the forces looked at nothing is proved.
 paper-switches-between = { $switches } from { PLAIN($lowest, digits: 1, style: "f") } to { PLAIN($highest, digits: 1, style: "f") } N
 paper-switches-beyond = number of switches beyond these forces
     .ours = { $usual } from { PLAIN($highest, digits: 6) } to { PLAIN($farthest, digits: 6) } N, where t_f = { PLAIN($t_f, digits: 3, style: "f", unit: "ms") } ms; below { PLAIN($weak) } N the switches, counted from t_f, move by less than { PLAIN($moved, digits: 2, unit: "ns") } ns
     .basis = { $count } certified optima, and theory for the rest
     .reason = In less than { PLAIN($half, digits: 3, style: "f", unit: "ms") } ms, half a damped period of the tower, no combination of 1, e^(-t/T) and the modes' functions has more than five zeros, and five conditions of rest need at least five switches. Small forces move for so long that what the start excites has decayed at the end: there the switches are those of one limit.
-paper-bounded-time = t_f under |v_phi| <= 0.005
+paper-bounded-time = t_f under |v_φ| ≤ 0.005
     .basis = one unit of the last printed decimal
     .reason = No control is faster than { PLAIN($least, digits: 9, style: "f") } s (proved): rounded to four decimals 0.0523. Again the printed time is a little too short, so that the t_f = 0.0522 s of sec. 6 cannot be reached under the bound.
 paper-increase = increase of t_f over (12), relative
     .basis = 1e-4 s in either time
     .reason = The paper's own two times give { PLAIN($own, digits: 4) }, with which ours is compared.
-paper-largest-rate = largest |v_phi| of our control
-    .basis = what docs/optimal-control.md promises
 paper-boundary-arcs = boundary arcs
     .ours = { $held }
     .basis = { paper-certified-to }
@@ -112,44 +103,37 @@ paper-boundary-control = boundary control
     .basis = F_set of the certified control
     .reason = Misprint: the same factors 1/J are missing.
 paper-inside = boundary control inside the control set
-    .ours = |F_set| <= { PLAIN($largest, digits: 1, style: "f") } N on the boundary arcs, F_max = { PLAIN($limit, digits: 6) } N
+    .ours = |F_set| ≤ { PLAIN($largest, digits: 1, style: "f") } N on the boundary arcs, F_max = { PLAIN($limit, digits: 6) } N
     .basis = { paper-certified }
 paper-switching-function = switching function on the boundary arc
-    .ours = zero at entry to { PLAIN($at_entry, digits: 1) } of |lambda_F(0)|
+    .ours = zero at entry to { PLAIN($at_entry, digits: 1) } of |λ_F(0)|
     .basis = { paper-entry }, by matrix exponentials
     .reason = Misprint: subscripts I and U belong to another machine, a voice-coil motor.
-paper-multiplier = multiplier mu_1 of the bound
-    .correct = the same + d/J lambda_vphi
-    .ours = lambda_F drifts to { PLAIN($drift, digits: 2) } of |lambda_F(0)| with the printed formula, to { PLAIN($held, digits: 1) } with the corrected one; mu_1 >= { PLAIN($least, digits: 0, style: "f") } s/rad on the arc
-    .basis = (8) with mu_1 along our first boundary arc; lambda_F must stay 0
-    .reason = Misprint: d^2 lambda_F / dt^2 = 0 contains d/J lambda_vphi, too, and lambda_vphi does not vanish on the arc.
+paper-multiplier = multiplier µ_1 of the bound
+    .correct = the same + d/J λ_vφ
+    .ours = λ_F drifts to { PLAIN($drift, digits: 2) } of |λ_F(0)| with the printed formula, to { PLAIN($held, digits: 1) } with the corrected one; µ_1 ≥ { PLAIN($least, digits: 0, style: "f") } s/rad on the arc
+    .basis = (8) with µ_1 along our first boundary arc; λ_F must stay 0
+    .reason = Misprint: d² λ_F / dt² = 0 contains d/J λ_vφ, too, and λ_vφ does not vanish on the arc.
 paper-jumps = jumps of the adjoint at entry and exit
     .ours = at the first entry from { PLAIN($before, digits: 5) } to { PLAIN($after, digits: 5) } s²/rad
-    .basis = { paper-entry }; inside, d lambda_F/dt = 0 fixes it
-    .reason = Downwards, as the bound from above demands; mu_1 keeps lambda_F at 0 from there.
+    .basis = { paper-entry }; inside, d λ_F/dt = 0 fixes it
+    .reason = Downwards, as the bound from above demands; µ_1 keeps λ_F at 0 from there.
 paper-peak-rate = peak rate, { $control ->
         [damping] damping-optimal
         [bounded] time-optimal, bounded
        *[free] time-optimal, free
     }
-    .correct = v_phi instead of phi
+    .correct = v_φ instead of φ
     .basis = 0.2 %; 1e-4 s in t_f does 0.5 %
-    .reason = Misprint: printed as the maximum norm of phi; it is that of v_phi. phi itself stays below { PLAIN($angle, digits: 2) } rad.
+    .reason = Misprint: printed as the maximum norm of φ; it is that of v_φ. φ itself stays below { PLAIN($angle, digits: 2) } rad.
 paper-weight = weight of { $state }
     .basis = 2 %: a grid blurs the switches of the motion that is balanced
-    .reason = { $is_first ->
-        [yes] The paper does not say along which motion. Equal integrals of all terms along the time-optimal motion of sec. 5.1 give all four to { PLAIN($off, digits: 1, style: "f", unit: "%") } %.
-       *[no] {""}
-    }
 paper-terms = terms of the functional
     .ours = 1 : { PLAIN($x_b, digits: 3) } : { PLAIN($phi, digits: 3) } : { PLAIN($v_b, digits: 3) } : { PLAIN($v_phi, digits: 3) } along the damping-optimal motion, J = { PLAIN($cost, digits: 7) } N² s
     .basis = within a decade
-    .reason = F_set^2, x_b, phi, v_b, v_phi. They are equal along the time-optimal motion; the two rates are what the optimisation then reduces.
-paper-cost = the cost is minimal
-    .ours = J = { PLAIN($cost, digits: 7) } N² s, { PLAIN($share, digits: 1, style: "f", unit: "%") } % of that of the time-optimal control followed by rest
-    .basis = another admissible control of the same problem must cost more
-paper-control-law = control law with an adjoint integrated backward from t_f
-    .basis = matrix exponentials; lambda(t_f) fitted to the force
+    .reason = F_set², x_b, φ, v_b, v_φ. The paper does not say along which motion; equal integrals of all terms along the time-optimal motion of sec. 5.1 give all four weights to { PLAIN($off, digits: 1, style: "f", unit: "%") } %. The two rates are what the optimisation then reduces.
+paper-control-law = largest deviation from the control law, over F_max
+    .basis = along the whole motion, with the adjoint of our solution
     .reason = The problem is convex: where an adjoint fits, the control is optimal.
 paper-continuous = the optimal control is continuous
     .ours = largest jump { PLAIN($jump, digits: 1) } F_max, at the joints of { $arcs } arcs
@@ -160,31 +144,28 @@ paper-saturated = saturated linear-quadratic control
 paper-functional = matrix D and adjoint equation of the functional
     .ours = { $states } states; with the corrected equation (16) holds, rows above
     .basis = number of states
-    .reason = Misprint: six entries for seven states, and the dot over lambda is missing.
+    .reason = Misprint: six entries for seven states, and the dot over λ is missing.
 paper-least-time = t_f must be larger than the minimal time
-    .ours = t_f = { PLAIN($longer, digits: 6) } s is solved; t_f = { PLAIN($least, digits: 6) } s, the printed minimum: { $refused ->
-        [yes] final time too short
-       *[no] solved
-    }
-    .basis = our solver, which proves a refusal by weak duality
+    .ours = t_f = { PLAIN($longer, digits: 6) } s is solved; no control reaches the target before { PLAIN($least, digits: 9, style: "f") } s
+    .basis = lower bound of the certificate
 paper-oscillation = time-optimal trajectories oscillate
-    .ours = v_phi changes its sign { $changes } times in { PLAIN($t_f, digits: 1, style: "f", unit: "ms") } ms and swings up to { PLAIN($rate, digits: 1, style: "f", unit: "mrad") } mrad/s
+    .ours = v_φ changes its sign { $changes } times in { PLAIN($t_f, digits: 1, style: "f", unit: "ms") } ms and swings up to { PLAIN($rate, digits: 1, style: "f", unit: "mrad") } mrad/s
     .basis = the certified control of sec. 5.1
 paper-more-force = higher F_max leads to higher vibrations
-    .ours = from { PLAIN($least) } to { PLAIN($most) } N the peak of |v_phi| grows from { PLAIN($rate, digits: 1, style: "f", unit: "mrad") } to { PLAIN($highest_rate, digits: 1, style: "f", unit: "mrad") } mrad/s, that of |phi| from { PLAIN($angle, digits: 0, style: "f", unit: "urad") } to { PLAIN($largest_angle, digits: 0, style: "f", unit: "urad") } µrad
+    .ours = from { PLAIN($least) } to { PLAIN($most) } N the peak of |v_φ| grows from { PLAIN($rate, digits: 1, style: "f", unit: "mrad") } to { PLAIN($highest_rate, digits: 1, style: "f", unit: "mrad") } mrad/s, that of |φ| from { PLAIN($angle, digits: 0, style: "f", unit: "urad") } to { PLAIN($largest_angle, digits: 0, style: "f", unit: "urad") } µrad
     .basis = { $count } certified optima, evenly spaced by ratio
     .reason = { $falls ->
         [0] {""}
-       *[other] A trend, not a law: on { $falls } of the { $steps } steps between these forces the peak of |v_phi| falls.
+       *[other] A trend, not a law: on { $falls } of the { $steps } steps between these forces the peak of |v_φ| falls.
     }
-paper-bound-helps = the bound on v_phi reduces the largest |phi|, too
+paper-bound-helps = the bound on v_φ reduces the largest |φ|, too
     .ours = from { PLAIN($free, digits: 1, style: "f", unit: "urad") } to { PLAIN($bounded, digits: 1, style: "f", unit: "urad") } µrad, by { PLAIN($less, digits: 0, style: "f", unit: "%") } %
     .basis = peaks of the two certified controls
 paper-rate-between = peak rate of the damping-optimal control between the other two
     .ours = { PLAIN($rate, digits: 2, style: "f", unit: "mrad") } mrad/s: { PLAIN($over, digits: 2, style: "f") } times the bound, { PLAIN($share, digits: 0, style: "f", unit: "%") } % of the free time-optimal control
     .basis = damping-optimal and certified time-optimal control, F_max = { PLAIN($limit) } N
 paper-bounds-damp = state constraints improve the damping
-    .ours = peak |v_phi| { PLAIN($less, digits: 0, style: "f", unit: "%") } % lower for { PLAIN($longer, digits: 0, style: "f", unit: "%") } % more time
+    .ours = peak |v_φ| { PLAIN($less, digits: 0, style: "f", unit: "%") } % lower for { PLAIN($longer, digits: 0, style: "f", unit: "%") } % more time
     .basis = the two certified controls
 paper-hints = optimal controls give hints for the jerk limit
     .ours = profiles closest to the optima have j = { PLAIN($free, digits: 0, style: "f") }, { PLAIN($bounded, digits: 0, style: "f") }, { PLAIN($damped, digits: 0, style: "f") } m/s³ and settle in the loop after { PLAIN($soonest, digits: 0, style: "f", unit: "ms") } ms at best; { $limits } after { PLAIN($settling, digits: 0, style: "f", unit: "ms") } ms

@@ -7,16 +7,8 @@ validate-unexplained = Some rows are out of tolerance
 validate-remark = { $source }. Each number and claim stands as printed. Where it is a misprint, the correction is given and judged; where a claim does not hold, the row says what disproves it.
 validate-count = { $count } rows: { $agrees } agree, { $corrected } agree with the correction, { $differs } differ with reason, { $out } out of tolerance.
 validate-all-rows = The other rows agree as printed: --all shows them here, -o DIR a page.
-validate-found = { $verdict ->
-    [out] Unexplained
-    [differs] Does not hold
-   *[corrected] Misprint
-}: { $quantity } ({ $place }): printed { $printed }; { $is ->
-    [correct] correct
-   *[ours] ours
-} { $value }.
 validate-tested-by = Tolerance or test of { $names }: { $basis }.
-validate-figures = Figures 4 and 5 again
+validate-part-figures = Figures 4 and 5 again
 validate-head-printed = Printed
 validate-head-correct = Correct
 validate-head-ours = Ours
