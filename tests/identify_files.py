@@ -5,7 +5,6 @@ from __future__ import annotations
 import gc
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -40,50 +39,34 @@ def response(frequency_hz: Array, *, sensor: str = "encoder", derivative: int = 
     return np.exp(-s * DELAY) * s**derivative * (rigid + elastic)
 
 
-@dataclass(frozen=True)
-class Axis:
-    """A simulation of the axis without its delay: samples of force in, positions out."""
-
-    step: float
-
-    @property
-    def discrete(self) -> tuple[Array, Array, Array]:
-        """A, B and C with the force held between samples; rows of C: encoder and tool."""
-        size = 2 + 2 * len(MODES)
-        A, B, C = np.zeros((size, size)), np.zeros((size, 1)), np.zeros((2, size))
-        A[0, 1], A[1, 1], B[1, 0] = 1.0, -VISCOUS / MASS, 1.0 / MASS
-        C[:, 0] = 1.0
-        for number, (hertz, zeta, encoder, tool) in enumerate(MODES, start=1):
-            place, omega = 2 * number, TWO_PI * hertz
-            A[place, place + 1] = 1.0
-            A[place + 1, place : place + 2] = -(omega**2), -2 * zeta * omega
-            B[place + 1, 0] = 1.0
-            C[:, place] = encoder, tool
-        A, B, *_ = cont2discrete((A, B, C, np.zeros((2, 1))), self.step)
-        return A, B, C
-
-    def positions(self, force: Array) -> tuple[Array, Array]:
-        """Encoder and tool."""
-        A, B, C = self.discrete
-        _, y, _ = dlsim((A, B, C, np.zeros((2, 1)), self.step), force[:, None])
-        return y[:, 0], y[:, 1]
+def _held(step: float) -> tuple[Array, Array, Array, Array]:
+    """The axis without its delay, its force held between samples; outputs encoder and tool."""
+    size = 2 + 2 * len(MODES)
+    A, B, C = np.zeros((size, size)), np.zeros((size, 1)), np.zeros((2, size))
+    A[0, 1], A[1, 1], B[1, 0] = 1.0, -VISCOUS / MASS, 1.0 / MASS
+    C[:, 0] = 1.0
+    for number, (hertz, zeta, encoder, tool) in enumerate(MODES, start=1):
+        place, omega = 2 * number, TWO_PI * hertz
+        A[place, place + 1] = 1.0
+        A[place + 1, place : place + 2] = -(omega**2), -2 * zeta * omega
+        B[place + 1, 0] = 1.0
+        C[:, place] = encoder, tool
+    A, B, C, D, _ = cont2discrete((A, B, C, np.zeros((2, 1))), step)
+    return A, B, C, D
 
 
-def held(
-    frequency_hz: Array, step: float, *, sensor: str = "encoder", derivative: int = 1
-) -> ComplexArray:
-    """Samples of the output per sample of a force that is held between them, without the delay.
+def positions(force: Array, step: float) -> tuple[Array, Array]:
+    """Encoder and tool at samples of a force that is held between them."""
+    _, y, _ = dlsim((*_held(step), step), force[:, None])
+    return y[:, 0], y[:, 1]
 
-    The hold repeats the force's spectrum at every multiple of the sampling frequency, and sampling
-    folds them all onto one line: the sum over them, which converges with their number squared.
-    """
-    total = np.zeros(frequency_hz.size, dtype=np.complex128)
-    for fold in range(-200, 201):
-        f = frequency_hz + fold / step
-        s = 2j * np.pi * f
-        G = response(f, sensor=sensor, derivative=derivative) * np.exp(s * DELAY)
-        total += G * (1.0 - np.exp(-s * step)) / (s * step)
-    return total
+
+def held(frequency_hz: Array, step: float, *, sensor: str = "encoder") -> ComplexArray:
+    """Samples of the position per sample of a force that is held between them."""
+    A, B, C, _ = _held(step)
+    row, eye = C[0 if sensor == "encoder" else 1], np.eye(len(A))
+    shifts = np.exp(2j * np.pi * frequency_hz * step)
+    return np.array([row @ np.linalg.solve(z * eye - A, B)[:, 0] for z in shifts])
 
 
 def multisine(size: int, step: float, low: float, high: float) -> Array:

@@ -144,7 +144,7 @@ def test_a_record_is_explained_by_the_model_that_came_from_it(tmp_path) -> None:
     files = []
     for place in range(2):
         force = 50 * rng.normal(size=12000)
-        encoder, _ = made.Axis(step).positions(force)
+        encoder, _ = made.positions(force, step)
         velocity = np.gradient(encoder, step)
         t = step * np.arange(force.size)
         path = tmp_path / f"record-{place}.csv"

@@ -211,7 +211,7 @@ def signals() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Times, force and encoder position of four periods of a multisine."""
     step, size = 1e-3, 1000
     force = np.tile(made.multisine(size, step, 5.0, 300.0), 5)
-    x, _ = made.Axis(step).positions(force)
+    x, _ = made.positions(force, step)
     t = step * np.arange(4 * size)
     return t, force[size:], x[size:]
 
@@ -265,7 +265,7 @@ def test_time_records_of_every_control(name: str) -> None:
     assert np.abs(force - F).max() < 1e-5 * np.abs(F).max()
     assert np.abs(encoder - X).max() < 1e-5 * np.abs(X).max()
     found = one(data, given)
-    truth = made.held(found.frequency_hz, 1e-3, derivative=0)
+    truth = made.held(found.frequency_hz, 1e-3)
     assert np.abs(found.values / truth - 1).max() < 0.02
 
 

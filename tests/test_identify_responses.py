@@ -27,7 +27,7 @@ HEADS = ["t [s]", "force [N]", "encoder [m]"]
 
 def record(force: np.ndarray, noise: float, seed: int) -> list[np.ndarray]:
     rng = np.random.default_rng(1000 + seed)
-    x, _ = made.Axis(STEP).positions(force)
+    x, _ = made.positions(force, STEP)
     rate = np.diff(x).std()
     return [STEP * np.arange(force.size), force, x + noise * rate * rng.standard_normal(x.size)]
 
@@ -42,9 +42,9 @@ def kinds(one: FrequencyResponse | Spectrum | FreeVibration) -> set[str]:
     return {remark.kind for remark in one.remarks}
 
 
-def score(one: FrequencyResponse, step: float = STEP) -> np.ndarray:
+def score(one: FrequencyResponse) -> np.ndarray:
     """Error of each line over the standard error that it states, real and imaginary part."""
-    truth = made.held(one.frequency_hz, step, derivative=one.output.derivative)
+    truth = made.held(one.frequency_hz, STEP)
     error = (one.values - truth) / (one.relative_error * np.abs(one.values))
     return np.concatenate([error.real, error.imag])
 
@@ -81,7 +81,7 @@ def test_welch_says_its_window_and_its_errors_are_as_stated() -> None:
     inside = np.abs(one.frequency_hz[:, None] - [38.0, 117.0]).min(axis=1) > 4.0
     both = np.concatenate([inside, inside])
     assert 0.7 < np.std(score(one)[both]) < 1.5  # away from the peaks, which the window smears
-    truth = made.held(one.frequency_hz, STEP, derivative=0)
+    truth = made.held(one.frequency_hz, STEP)
     assert np.abs(one.values / truth - 1)[~inside].max() < 0.3
 
 
@@ -91,7 +91,7 @@ def test_blows_of_a_hammer() -> None:
     pulse = np.sin(np.pi * np.arange(4) / 4)
     for start in range(100, 20_000, 4000):
         force[start : start + 4] = rng.uniform(50, 100) * pulse
-    _, tool = made.Axis(STEP).positions(force)
+    _, tool = made.positions(force, STEP)
     v = np.gradient(tool, STEP)
     a = np.gradient(v, STEP)
     heads = ["t [s]", "force [N]", "tool acceleration [m/s^2]"]
@@ -101,7 +101,7 @@ def test_blows_of_a_hammer() -> None:
     assert one.averages == 5
     assert one.sensor is Sensor.TCP
     f = one.frequency_hz
-    truth = made.held(f, STEP, sensor="tcp", derivative=0)
+    truth = made.held(f, STEP, sensor="tcp")
     truth = truth * (1j * np.sin(2 * np.pi * f * STEP) / STEP) ** 2  # two central differences
     inside = (f > 10) & (f < 150)
     assert np.median(np.abs(one.values / truth - 1)[inside]) < 0.05
