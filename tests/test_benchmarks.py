@@ -8,13 +8,7 @@ from dataclasses import replace
 import pytest
 
 from benchmarks.answer import Answer, judge
-from benchmarks.limits_quality import search_by_grid
-from benchmarks.population import random_machine
 from benchmarks.problems import MAIN, find_problem
-from mtcommission.limits.choose import choose_limits
-from mtcommission.limits.judge import evaluate
-from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.plant.plant import build_plant
 from mtcommission.optimal.control import Bang, constant_arc
 
 
@@ -44,13 +38,3 @@ def test_the_judgement_sees_a_control_that_is_a_little_wrong():
     assert judge(problem, shifted).terminal_error > 1e-4
     strong = constant_arc(0.0, ours.t_f, control=Bang(1), force=2.2e3)
     assert judge(problem, Answer(t_f=ours.t_f, arcs=(strong,))).violation == pytest.approx(0.1)
-
-
-def test_a_plain_grid_never_finds_sooner_limits_than_the_search():
-    machine = random_machine(2)
-    plant, tuned = build_plant(machine), tune_loop(machine)
-    brute = search_by_grid(machine, plant, tuned)
-    found = choose_limits(machine, tuned).limits
-    ours = evaluate(machine, tuned, found)
-    assert brute.assessment.is_met
-    assert ours.settling_time < 1.005 * brute.settling_time

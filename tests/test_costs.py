@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 from math import pi
 
 import numpy as np
 import pytest
 
-from benchmarks.fuzz import LONGEST, call, fault_of, in_place
-from benchmarks.mutations import dice_of, extreme_machine
 from mtcommission.base.errors import ComputationError, Outcome
 from mtcommission.commission.recommend import recommend
 from mtcommission.limits.optima import find_time_optimum
@@ -22,7 +19,6 @@ from mtcommission.machine.moves import Positioning, VelocityStep, least_motion_t
 from mtcommission.machine.plant.modal import Modal
 from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.machine.profile.shipped import read_shipped
-from mtcommission.optimal.control import balanced_expm, follow_control, joint_system
 from mtcommission.optimal.free import solve_time_optimal
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint
@@ -61,20 +57,6 @@ def test_a_stroke_of_thirty_metres_has_its_optimum():
     with pytest.raises(ComputationError) as end:
         find_time_optimum(build_plant(machine), far, force_limit=3200.0, bounds=())
     assert end.value.outcome is Outcome.MOVE_TOO_LONG
-
-
-def test_a_motion_followed_in_blocks_is_the_one_followed_at_once():
-    """The other way: each arc's end by one exponential."""
-    plant = build_plant(gantry())
-    found = solve_time_optimal(plant, STEP, force_limit=200.0)
-    motion = follow_control(plant, found.arcs)
-    state = np.zeros(plant.order)
-    for arc in found.arcs:
-        joint = np.concatenate([state, arc.initial])
-        length = arc.t_end - arc.t_start
-        state = (balanced_expm(joint_system(plant, arc) * length) @ joint)[: plant.order]
-    assert np.all(np.abs(motion.final - state) <= 1e-10 * motion.peaks[: plant.order])
-    assert motion.peaks == pytest.approx(found.peaks, rel=1e-7)
 
 
 @pytest.mark.parametrize(
@@ -134,11 +116,3 @@ def test_a_loop_that_keeps_thousands_of_setpoints_is_refused():
     with pytest.raises(ComputationError, match="would keep 800 setpoints") as caught:
         tune_loop(replace(machine, control=control))
     assert caught.value.outcome is Outcome.DELAY_TOO_LONG
-
-
-def test_a_machine_that_nobody_built_ends_with_an_outcome(tmp_path):
-    """``python -m benchmarks.fuzz --command limits --machines`` tries thousands."""
-    profile = tmp_path / "dice.toml"
-    profile.write_text(extreme_machine(dice_of(99, 6)), "utf-8")
-    ending = in_place(partial(call, "limits", str(profile)))
-    assert not fault_of("limits", ending, longest=LONGEST), ending

@@ -7,7 +7,6 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from mtcommission.base.errors import ComputationError, Outcome
@@ -20,8 +19,6 @@ from mtcommission.optimal.free import solve_time_optimal
 from tests.independent_damping import follow
 from tests.machines import paper_machine, random_modal_machine
 from tests.references_optimal import PAPER_WEIGHTS
-
-Array = NDArray[np.float64]
 
 STEP = VelocityStep(velocity_step=0.1)
 T_F_MIN = 0.0435202  # bracketed by the two tests that use it

@@ -102,22 +102,6 @@ def test_every_loop_is_the_diagram_s(seed):
     assert np.max(np.abs(ours / theirs - 1.0)) < 1e-9
 
 
-def test_the_population_has_what_a_loop_may_have():
-    """A population of plain cascades would hold nothing to the diagram."""
-    found = [tuned_member(seed).controller for seed in SEEDS]
-    assert any(item.state_gains.any() for item in found)
-    assert any(not item.state_gains.any() for item in found)
-    by_loop = {kind: [c for c in found if c.position_loop is kind] for kind in PositionLoop}
-    for members in by_loop.values():
-        assert {bool(item.state_gains.any()) for item in members} == {True, False}
-        assert any(item.reference_age > 0.0 for item in members)
-    assert any(item.reference_age == 0.0 for item in found)
-    assert {len(item.force_filters) for item in found} == {0, 1, 2}
-    assert {len(item.sensors) for item in found} == {1, 2}
-    assert len({item.cycles for item in found}) > 1
-    assert len({bool(item.reference_model_time) for item in found}) == 2
-
-
 @pytest.mark.parametrize("seed", [1, 4])
 def test_a_step_of_force_moves_the_tool_as_in_the_diagram(seed):
     """The curve on the sheet would belong to another loop, or to another line of force."""

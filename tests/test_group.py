@@ -15,13 +15,12 @@ from mtcommission.controls.control import Corner, CornerRule
 from mtcommission.group.contours import (
     Turning,
     corner_deviation,
-    deviate,
     speeds_at_once,
     tell_corner,
     turnings,
     worst_circle,
 )
-from mtcommission.group.follow import filter_response, follow
+from mtcommission.group.follow import follow
 from mtcommission.group.group import join
 from mtcommission.group.judged import (
     circle_test,
@@ -35,7 +34,6 @@ from mtcommission.group.task import Task, read_task
 from mtcommission.loop.disturbance import simulate_disturbance
 from mtcommission.machine.moves import Positioning
 from mtcommission.machine.profile.read import parse_profile, read_source
-from mtcommission.machine.setpoint_filter import moving_average
 from mtcommission.record.read_back import close_as_held
 from tests.group_record import PROFILES, driven, mill
 from tests.independent_circle import circle_off, corner_off, entry_off, line_off
@@ -69,21 +67,6 @@ WITHOUT_CONTOUR = ('contour_deviation = "20 um"\ncontour_feed = "6 m/min"\n', ""
 
 
 # Closed forms
-
-
-def test_an_average_makes_circles_smaller_by_its_square():
-    feed, radius, T = 0.1, 0.01, 0.016
-    omega = np.array([feed / radius])
-    same = filter_response(moving_average(T), omega)
-    off = radius * deviate(same, same).radius[0]
-    assert off == pytest.approx(-(feed**2) * T**2 / (24.0 * radius), rel=2e-3)
-
-
-def test_delays_apart_make_an_ellipse_of_feed_times_their_difference():
-    feed, radius, apart = 0.1, 0.05, 0.4e-3
-    omega = np.array([feed / radius])
-    off = deviate(np.exp(-1j * omega * 2e-3), np.exp(-1j * omega * (2e-3 + apart)))
-    assert radius * off.form[0] == pytest.approx(feed * apart, rel=1e-6)
 
 
 @pytest.mark.parametrize("degrees", [45.0, 135.0])

@@ -22,10 +22,8 @@ from mtcommission.base.errors import ComputationError, Outcome
 from mtcommission.base.messages import LANGUAGES
 from mtcommission.base.messages.catalogue import Catalogue, entries_of
 from mtcommission.base.messages.message import Message
-from mtcommission.base.messages.quantities import Formatter, functions_of
 
 SOURCE = Path(mtcommission.__file__).parent
-FUNCTIONS = set(functions_of(Formatter()))
 
 
 class _Places(Visitor):

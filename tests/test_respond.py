@@ -17,11 +17,10 @@ from mtcommission.loop.respond import (
     extremes,
     free_motion,
     lay_grid,
-    outputs_at,
     set_in_motion,
     tool_deviation,
 )
-from mtcommission.loop.simulate import LoopResponse, drive_loop, simulate
+from mtcommission.loop.simulate import LoopResponse, simulate
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine, moving_mass
@@ -34,7 +33,6 @@ from mtcommission.setpoint.setpoint import (
     filter_steps,
     jerk_steps,
     plan_within,
-    sample_setpoint,
 )
 from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine, random_modal_machine
@@ -86,24 +84,6 @@ def sampled(machine: Machine, tuned: TunedLoop, move: Move, a: float, j: float) 
     setpoint = plan_within(machine, MotionLimits(acceleration=a, jerk=j))(move)
     band = machine.requirements.tcp_deviation
     return simulate(tuned.loops[-1], setpoint, drive=strong, band=band)
-
-
-@pytest.mark.parametrize("name", MACHINES)
-def test_every_sample_is_that_of_the_stepped_loop(name: str) -> None:
-    """A response that is right at most phases would still promise what a move of another size
-    breaks."""
-    machine = MACHINES[name]
-    tuned = tune_loop(machine)
-    poles, n = find_poles(tuned.loops), np.arange(120)
-    for move in MOVES:
-        a, j = limits(machine, 2)
-        motions = set_in_motion(poles, steps_of(machine, move, a, j))
-        found = outputs_at(motions, np.tile(n, (2, 1)), np.eye(poles.outputs))[:, -1]
-        for ours, limit in zip(found, zip(a, j, strict=True), strict=True):
-            plan = plan_within(machine, MotionLimits(acceleration=limit[0], jerk=limit[1]))
-            stepped = drive_loop(tuned.loops[-1], sample_setpoint(plan(move), n * poles.dt))
-            scale = np.maximum(np.abs(stepped).max(axis=0), 1e-12)
-            assert np.all(np.abs(ours.reshape(stepped.shape) - stepped) < 1e-6 * scale + 1e-14)
 
 
 @pytest.mark.parametrize("name", MACHINES)

@@ -9,7 +9,7 @@ import tomllib
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import product
-from math import pi, sqrt
+from math import pi
 from pathlib import Path
 from typing import Any
 
@@ -350,15 +350,6 @@ def test_what_would_mislead_is_said_at_once():
 
 
 # Answers from files, and what is assumed
-
-
-def test_motor_and_load_have_the_modes_of_two_masses(tmp_path):
-    from_answers(tmp_path / "pair.toml", PAIR_TOML)
-    machine = read_profile(tmp_path / "pair.toml")
-    (mode,) = machine.mechanics.modes
-    assert mode.frequency_hz == pytest.approx(30.0 * sqrt(1.0 + 6.0 / 2.0))
-    assert machine.is_assumed("plant.modes[1].damping_ratio")
-    assert not machine.is_assumed("plant.modes[1].tcp_gain")
 
 
 def test_what_answers_put_in_place_of_an_edited_profile_is_said(tmp_path):
