@@ -7,7 +7,6 @@ import io
 import json
 import re
 from dataclasses import replace
-from functools import cache
 from math import isfinite, pi
 from pathlib import Path
 
@@ -16,7 +15,6 @@ import pytest
 from mtcommission.base.errors import InputError
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
-from mtcommission.commission.commission import commission
 from mtcommission.controls.kinds import CONTROLS
 from mtcommission.controls.syntax import LIST, _harmless
 from mtcommission.export.catalogue import CONTROL_KEYS
@@ -24,12 +22,12 @@ from mtcommission.export.subject import build_subject
 from mtcommission.export.write import export_record, read_text, write_body
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.profile.read import parse_profile, profile_text_hash
-from mtcommission.record.machine import ACCEPTED_DEFAULT, Profile
-from mtcommission.record.record import Record, build_record, load_record
-from mtcommission.record.shape import dump_json, find_checksum, to_entry
+from mtcommission.record.machine import ACCEPTED_DEFAULT
+from mtcommission.record.record import Record, load_record
+from mtcommission.record.shape import find_checksum, to_entry
 
 from .second_reader import ini_file, lines, simulate_file
-from .sheet_record import Json, on_json
+from .sheet_record import Json, on_json, run_of
 
 export_record, build_subject = on_json(export_record), on_json(build_subject)
 
@@ -126,19 +124,13 @@ LEANING = PAPER.replace("[requirements]\n", '[requirements]\nmove_sizes = "liste
 CASES = {"paper": LEANING, "filtered": FILTERED, "linear_motor": LINEAR_MOTOR, "rotary": ROTARY}
 
 
-@cache
-def commissioned(text: str) -> tuple[Machine, str]:
-    """The machine of a profile, and its record as it stands in a file."""
-    found = commission(parse_profile(text, where="test.toml"))
-    profile = Profile(name="test.toml", sha256=profile_text_hash(text.encode()), text=text)
-    record = build_record(found, profile=profile, created="2026-01-02T03:04:05+00:00", warnings=[])
-    return found.machine, dump_json(record)
+def machine_of(name: str) -> Machine:
+    return parse_profile(CASES[name], where="test.toml")
 
 
 def record_of(name: str) -> Json:
     """A record, anew at each call."""
-    found: Json = json.loads(commissioned(CASES[name])[1])
-    return found
+    return run_of(CASES[name])[0]
 
 
 SECOND = [
@@ -153,7 +145,7 @@ SECOND = [
 @pytest.mark.parametrize(("kind", "control"), SECOND)
 def test_a_second_program_gets_the_header_s_numbers_from_the_file(kind, control):
     """Else the header promises what the file does not contain: linear_motors break on that."""
-    machine = commissioned(CASES[kind])[0]
+    machine = machine_of(kind)
     export = export_record(record_of(kind), control=control)
     promised, header = export.verdict, " ".join(export.header)
     settling, residual, saturates = simulate_file(control, export.text, machine)
@@ -219,7 +211,7 @@ def test_header_says_what_an_export_must_say_in_letters_that_every_control_reads
     export = export_record(record_of("linear_motor"), control=control)
     head = " ".join(re.sub(r"^[;#(*]+|\*\)$", "", line).strip() for line in export.text.split("\n"))
     for words in (
-        "2026-01-02T03:04:05",
+        record_of("linear_motor")["created"],
         "mtcommission 0.",
         record_of("linear_motor")["profile"]["sha256"],
         "VERIFY BEFORE USE",
@@ -362,7 +354,7 @@ FILTERS_OF_KINDS = [
 def test_the_filter_of_a_run_is_written_and_does_what_the_run_promised(control, table):
     """Limits without their filter leave the band; another filter is another motion."""
     text = f'{BELT}[control]\nkind = "{control}"\nsetpoint_filter = {{ {table} }}\n'
-    machine, record = commissioned(text)[0], json.loads(commissioned(text)[1])
+    machine, record = parse_profile(text, where="test.toml"), run_of(text)[0]
     export, recommended = export_record(record, control=control), record["limits"]["recommended"]
     assert export.limits.setpoint_filter == machine.control.setpoint_filter
     assert "LEFT OUT" not in " ".join(export.header)

@@ -293,6 +293,8 @@ source = "s"  ->  source = "s"\nillustrative = 1
   20: moves[1]: got both of velocity_step and distance, give exactly one
 "5 um"  ->  "5 um"\nfrequency_spread = "60 %"
   24: requirements.frequency_spread: got 60 %, must be from 0 to 0.5 (50 %)
+"5 um"  ->  "5 um"\ndamping_spread = 1
+  24: requirements.damping_spread: got 1, must be >= 0 and < 1
 "5 um"  ->  "5 um"\npayload = ["100 kg", "0 kg"]
   24: requirements.payload: got 100 kg to 0 kg, the least comes first
 "5 um"  ->  "5 um"\npayload = ["0 kg"]
@@ -328,6 +330,8 @@ name = "m"  ->  name = "MMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMM
   3: machine.name: got 81 characters, at most 80 are allowed
 name = "m"  ->  name = "m\u0007"
   3: machine.name: got control characters, remove them
+name = "m"  ->  name = 7
+  3: machine.name: got 7, must be a text in quotes
 "2 kN"  ->  "2 kN"\ngear = 2
   20: drive.gear: a gear on a linear axis needs drive.lead (travel per turn of screw or pinion)
     beside it; give both, or remove it

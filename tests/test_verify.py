@@ -12,14 +12,12 @@ import pytest
 
 from mtcommission.base.errors import InputError
 from mtcommission.base.messages.catalogue import Catalogue
-from mtcommission.commission.commission import commission
 from mtcommission.identify.measurement import Given
 from mtcommission.machine.moves import Positioning
 from mtcommission.machine.profile.read import parse_profile
-from mtcommission.record.machine import Profile
 from mtcommission.record.read_back import read_limits
-from mtcommission.record.record import Record, build_record
-from mtcommission.record.shape import dump_json
+from mtcommission.record.record import Record
+from mtcommission.record.shape import dump_json, to_entry
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.verify.checks import Check, Verdict, judge_all
 from mtcommission.verify.feedforward import suggest_feedforward
@@ -29,16 +27,12 @@ from mtcommission.verify.refine import refine, renew_profile
 from mtcommission.verify.trace import read_trace
 from mtcommission.verify.verify import Verification, verify
 from tests.recorded_traces import ROTARY, UNITS, Spoilt, record_moves, write_csv
-
-PROFILES = Path(__file__).parent.parent / "profiles"
+from tests.sheet_record import shipped_record
 
 
 @cache
 def record_of(name: str) -> Record:
-    text = (PROFILES / f"{name}.toml").read_text(encoding="utf-8")
-    done = commission(parse_profile(text, where=name))
-    profile = Profile(name=f"{name}.toml", sha256="0" * 64, text=text)
-    return build_record(done, profile=profile, created="2026-01-01T00:00:00+00:00", warnings=[])
+    return to_entry(shipped_record(name), Record)
 
 
 @cache
