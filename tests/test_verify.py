@@ -17,7 +17,7 @@ from mtcommission.machine.moves import Positioning
 from mtcommission.machine.profile.read import parse_profile
 from mtcommission.record.read_back import read_limits
 from mtcommission.record.record import Record
-from mtcommission.record.shape import dump_json, to_entry
+from mtcommission.record.shape import to_entry
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.verify.checks import Check, Verdict, judge_all
 from mtcommission.verify.feedforward import suggest_feedforward
@@ -345,7 +345,7 @@ def test_an_axis_that_sticks_has_no_mode_of_it(tmp_path):
 
 
 def test_the_command_and_the_sheet_say_the_same(tmp_path, monkeypatch, run):
-    (tmp_path / "record.json").write_text(dump_json(record_of(GANTRY)), encoding="utf-8")
+    (tmp_path / "record.json").write_text(json.dumps(shipped_record(GANTRY)), encoding="utf-8")
     how = Spoilt(frequency=1.12, noise=2e-7, step=5e-4)
     write_csv(tmp_path / "move.csv", columns_of(GANTRY, how))
     monkeypatch.chdir(tmp_path)
