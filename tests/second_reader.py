@@ -57,6 +57,7 @@ class Reading:
 
 def read_file(control: str, text: str, machine: Machine) -> Reading:
     """A file as the control, and the hand that sets the drive, would take it."""
+    text = re.sub("torque (?=feed-forward|filters)", "force ", text)  # of a rotary axis
     remark = dict(re.findall(r"^(?:;|#|\(\*) > (.+?) = (\S+)", text, re.MULTILINE))
     if "N10050 x N10060" in remark:  # of a SINUMERIK, in us
         remark["position cycle"] = str(1e-3 * float(remark["N10050 x N10060"]))

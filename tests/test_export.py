@@ -166,7 +166,7 @@ def test_every_row_is_read(control, as_list):
     export = export_record(record_of("filtered"), control=control, as_list=as_list)
     layout = LIST if as_list else CONTROLS[control].layout
     rows = [entry.row for entry in export.entries]
-    values = read_text(layout, rows, export.text)
+    values = read_text(layout, rows, export.text, Catalogue())
     for number, entry in enumerate(export.entries):
         other = {"0": "1", "1": "2"}.get(entry.value[0], "1") + entry.value[1:]
         changed = [*export.entries]
@@ -174,7 +174,7 @@ def test_every_row_is_read(control, as_list):
         text = "\n".join(write_body(layout, changed, Catalogue()))
         assert other in text
         try:
-            assert read_text(layout, rows, text) != values, entry.row.name
+            assert read_text(layout, rows, text, Catalogue()) != values, entry.row.name
         except InputError:
             continue  # refused: it was read, too
 
@@ -231,6 +231,10 @@ def test_header_says_what_an_export_must_say_in_letters_that_every_control_reads
     assert "WARNUNG: mode base: 50 Hz is *) a slip" in " ".join(german.header)
     assert record["data"][3]["key"] in " ".join(german.header)
     assert [entry.value for entry in german.entries] == [entry.value for entry in export.entries]
+    # Names of our own are German; those of a control stay.
+    own = r"(velocity|position) (cycle|loop)|(velocity|force) feed-forward|> force filters"
+    assert re.search(own, export.text) is None or "reglertakt" in german.text
+    assert not re.search(own, german.text)
 
 
 def test_marks_in_a_name_stay_inside_their_comment():

@@ -43,6 +43,7 @@ from mtcommission.sheet.document import (
 )
 from mtcommission.sheet.figures import draw_svg
 from mtcommission.sheet.pdf import set_pdf
+from mtcommission.verify.checks import Check, what_of
 
 from .sheet_record import (
     HOSTILE,
@@ -52,6 +53,7 @@ from .sheet_record import (
     retuned,
     rotary_record,
     said,
+    shipped_record,
     unsettled_record,
     with_today,
 )
@@ -255,6 +257,22 @@ def test_what_is_to_be_measured_has_its_value_and_empty_fields():
     assert rows["Frequency of mode base"] == (f"50.03{THIN_SPACE}Hz", f"± 5.2{THIN_SPACE}%")
     residual = rows["Move\N{NO-BREAK SPACE}1: Residual deviation"]
     assert residual == (f"4.581{THIN_SPACE}µm", f"5.1{THIN_SPACE}µm")
+    assert rows["Phase margin"][1] == "≥ 30°"
+    stability = {row[0]: row[-1] for row in table_of(example_record(), "loop").rows}
+    assert stability["Gain margin"] == f"≥ 6{THIN_SPACE}dB"
+    assert stability["Sensitivity peak"] == "≤ 2"
+
+
+def test_the_largest_force_to_measure_is_the_one_that_verify_measures():
+    """If it were the set force, a trace would show a fifth less."""
+    record = shipped_record("modal-two-modes")
+    (row,) = (r for r in table_of(record, "measurements").rows if "Largest" in r[0])
+    (move,) = record["moves"]
+    by_verify = ENGLISH.say(what_of(Check(key="max force", reason=Message("verify-kept"))))
+    assert row[0].partition(": ")[2].casefold() == by_verify
+    actual = move["response"]["peaks"]["F"]
+    assert row[1] == LINEAR.axis(actual, "N", digits=4)
+    assert actual < 0.9 * move["response"]["max_force"]
 
 
 def table_of(record, key, language="en", *, which=0):

@@ -55,16 +55,17 @@ def describe_limits(
     important first; ``rows`` of the screen; ``has_sheet``: whether a sheet says what is left out.
     """
     text, said, best, verdict = spoken.text, spoken.say, answer.recommended, answer.assessment
+    warned = warn(spoken, [one for one in answer.warnings if not _is_of_loop(one)])
     shown = [
         *_verdict(machine, verdict, spoken),
+        *warned,
         *_limits_table(machine, answer, spoken),
         _filter(machine, best, spoken),
         text("terminal-bound-by", what=said(best.bound_by)),
         *_checks(machine, verdict, spoken),
     ]  # fmt: skip
-    warned = warn(spoken, [one for one in answer.warnings if not _is_of_loop(one)])
-    room = rows - len(fold([*shown, *warned]))
-    shown += [_assumed(assumed, spoken, rows=min(room, ASSUMED_ROWS)), *warned]
+    room = rows - len(fold(shown))
+    shown += [_assumed(assumed, spoken, rows=min(room, ASSUMED_ROWS))]
     notes = [
         *(said(one) for one in answer.warnings if _is_of_loop(one)),
         *(_loop_today(machine, spoken) if answer.today else []),
@@ -216,6 +217,7 @@ def describe_simulation(
     )
     return [
         *_verdict(machine, part.assessment, spoken),
+        *warn(spoken, [one for one in part.warnings if not _is_of_loop(one)]),
         simulated,
         heading(spoken.text("terminal-response")),
         *list_quantities(spoken, columns, corners),
@@ -223,5 +225,4 @@ def describe_simulation(
         spoken.text("terminal-worst", places="; ".join(worst)),
         _assumed(assumed, spoken, rows=ASSUMED_ROWS),
         *(spoken.say(one) for one in part.warnings if _is_of_loop(one)),
-        *warn(spoken, [one for one in part.warnings if not _is_of_loop(one)]),
     ]

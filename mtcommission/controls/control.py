@@ -10,6 +10,7 @@ from math import ceil, inf
 from typing import Any, NoReturn
 
 from mtcommission.base.errors import InputError
+from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.base.units.quantities import LINEAR, AxisUnits
 from mtcommission.controls.kind import LOW_PASS, NOTCH, SHAPERS, ControlKind, PositionLoop
@@ -169,6 +170,10 @@ class Control:
         return f"{row.name}{'' if row.is_verified else ' (?)'}" if row else ""
 
 
+OF_GROUP = {Setting.WAIT: "wait", Setting.TOGETHER: "path {}"}
+"""What axes that move together are told, in neutral words."""
+
+
 def neutral_rows(units: AxisUnits) -> dict[Setting, Row]:
     """Return every setting as one would say it of any control.
 
@@ -213,8 +218,16 @@ def is_neutral(row: Row) -> bool:
     """Return whether a row is named by what it is, not as a control spells it."""
     if row.setting is Setting.STATE_GAIN:  # no product feeds states back
         return True
-    neutral = neutral_rows(LINEAR).get(row.setting)
-    return neutral is not None and row.name == neutral.name.format(row.index)
+    named = {setting: one.name for setting, one in neutral_rows(LINEAR).items()} | OF_GROUP
+    return row.setting in named and row.name == named[row.setting].format(row.index)
+
+
+def name_row(row: Row, words: Catalogue) -> str:
+    """Return what a row is called: as the control spells it, or what it is in the user's words."""
+    if not is_neutral(row):
+        return row.name
+    setting = row.setting.name.lower().replace("_", "-")
+    return words.text("neutral-name", setting=setting, name=row.name, number=row.index)
 
 
 def say_neutrally(keys: Iterable[Key], units: AxisUnits) -> tuple[Row, ...]:

@@ -15,7 +15,7 @@ from mtcommission.base.errors import InputError
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.base.units.quantities import wrap_whole
-from mtcommission.controls.control import Control
+from mtcommission.controls.control import Control, name_row
 from mtcommission.controls.kinds import CONTROLS, GENERIC
 from mtcommission.controls.row import Key, Row, unreadable
 from mtcommission.controls.syntax import LIST, Entry, Layout, read_elsewhere
@@ -91,7 +91,7 @@ def _export(
     words, layout = words_for(subject, language), LIST if as_list else target.layout
     entries, indices = fill_in(subject, target)
     lines, rows = write_body(layout, entries, words), [entry.row for entry in entries]
-    judged = judge_text(subject, read_text(layout, rows, "\n".join(lines)), indices)
+    judged = judge_text(subject, read_text(layout, rows, "\n".join(lines), words), indices)
     header = say_plainly(compose_header(record, subject, target, judged, rows, words), words)
     return Export(
         header=header,
@@ -119,6 +119,7 @@ def say_plainly(said: Iterable[Message], words: Catalogue) -> tuple[str, ...]:
 
 def write_body(layout: Layout, entries: Sequence[Entry], words: Catalogue) -> list[str]:
     """Return the lines of a text without its header."""
+    entries = [replace(one, row=_named(one.row, words)) for one in entries]
     if layout is LIST:
         return layout.write(entries, words)
     elsewhere = [entry for entry in entries if entry.row.is_elsewhere]
@@ -129,6 +130,10 @@ def write_body(layout: Layout, entries: Sequence[Entry], words: Catalogue) -> li
     return lines
 
 
+def _named(row: Row, words: Catalogue) -> Row:
+    return replace(row, name=to_ascii(name_row(row, words)))
+
+
 def compose_text(layout: Layout, header: Iterable[str], body: Iterable[str]) -> str:
     """Return the file: its header as comments above the lines."""
     head = (layout.comment(line) for one in header for line in wrap_whole(one, WIDTH))
@@ -136,13 +141,21 @@ def compose_text(layout: Layout, header: Iterable[str], body: Iterable[str]) -> 
 
 
 def read_text(
-    layout: Layout, rows: Sequence[Row], text: str, *, beside: Sequence[Row] = ()
+    layout: Layout,
+    rows: Sequence[Row],
+    text: str,
+    words: Catalogue,
+    *,
+    beside: Sequence[Row] = (),
 ) -> dict[Key, float | str]:
     """Return the settings that a text holds; ``beside``: rows that others read.
 
     Raises InputError if a row is missing, unknown, unreadable, or contradicts another.
     """
-    known = {(row.section, row.name): row for row in (*beside, *rows)}
+    rows = [_named(row, words) for row in rows]
+    known = {
+        (row.section, row.name): row for row in (*(_named(one, words) for one in beside), *rows)
+    }
     found: set[tuple[str, str]] = set()
     values: dict[Key, float | str] = {}
     for section, name, typed in (*layout.read(text), *read_elsewhere(text)):

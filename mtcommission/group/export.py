@@ -16,7 +16,7 @@ import numpy as np
 from mtcommission.base.errors import InputError
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
-from mtcommission.controls.control import Control, Corner
+from mtcommission.controls.control import Control, Corner, name_row
 from mtcommission.controls.kinds import CONTROLS, GENERIC
 from mtcommission.controls.row import (
     AT_CORNERS,
@@ -245,16 +245,18 @@ def _write_together(
     layout: Layout, parts: Sequence[Part], words: Catalogue, target: Control
 ) -> tuple[list[str], list[dict[Key, float | str]]]:
     """One body in which names tell the axis, and what it says to each part."""
-    parts = [_name_remarks(part) for part in parts]
+    parts = [_name_remarks(part, words) for part in parts]
     lines = write_body(layout, _merge(parts, target), words)
     text, every = "\n".join(lines), [row for part in parts for row in part.rows]
-    return lines, [read_text(layout, part.rows, text, beside=every) for part in parts]
+    return lines, [read_text(layout, part.rows, text, words, beside=every) for part in parts]
 
 
-def _name_remarks(part: Part) -> Part:
+def _name_remarks(part: Part, words: Catalogue) -> Part:
     """A part whose remarks name the axis."""
     entries = (
-        replace(one, row=replace(one.row, name=f"{to_ascii(part.name)}: {one.row.name}"))
+        replace(
+            one, row=replace(one.row, name=to_ascii(f"{part.name}: {name_row(one.row, words)}"))
+        )
         if part.name and one.row.is_elsewhere
         else one
         for one in part.entries
@@ -298,7 +300,7 @@ def _write_apart(
             axis = words.text("group-part-axis", name=part.name)
             name = to_ascii(axis if part.name else words.text("group-part-path"))
             lines += [*([""] if lines else []), layout.comment(f"==== {name} ===="), *body]
-        found.append(read_text(layout, part.rows, "\n".join(body)))
+        found.append(read_text(layout, part.rows, "\n".join(body), words))
     return lines, found
 
 

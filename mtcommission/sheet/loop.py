@@ -25,6 +25,7 @@ from mtcommission.sheet.appendix import held_range
 from mtcommission.sheet.document import (
     Block,
     Bullets,
+    Column,
     LinePlot,
     Paragraph,
     Subheading,
@@ -60,11 +61,20 @@ from mtcommission.sheet.tables import (
     show,
     table,
 )
+from mtcommission.sheet.verdict import find_number
 
 Array = NDArray[np.float64]
 
 HIGHEST_DB = 40.0
 """Magnitude of the open loop from which on it is drawn."""
+
+PERMITTED = {
+    GAIN_MARGIN.name: ("≥", "tuning.gain_margin_db"),
+    PHASE_MARGIN.name: ("≥", "tuning.phase_margin_deg"),
+    SENSITIVITY.name: ("≤", "tuning.sensitivity_peak"),
+    BANDWIDTH.name: ("≥", "control.minimum_bandwidth"),
+}
+"""Which bound each margin has, and where the record holds it."""
 
 CUT_DB = 20.0 * np.log10(np.sqrt(0.5))
 """Of the closed velocity loop at its bandwidth."""
@@ -81,7 +91,7 @@ def third_page(record: Record, words: Catalogue) -> Iterator[Block]:
     else:
         yield from map(note, _sensors(record, words))
         yield bode(record, words)
-        yield _margins(loop, loop.worst_corner, words)
+        yield _margins(record, loop.worst_corner, words)
         yield _disturbance(record, words)
     if loop.reasons:
         yield Paragraph(text=text("loop-why"))
@@ -210,7 +220,17 @@ def _measured(
     return found
 
 
-def _margins(part: LoopPart, worst: Margins, words: Catalogue) -> Table:
+def permitted_margin(quantity: Quantity, record: Record, words: Catalogue) -> str:
+    """Return what tuning keeps of a margin in every corner, or what the profile asks of it."""
+    sign, key = PERMITTED.get(quantity.name, ("", ""))
+    value = record.settings.get(key, find_number(record, key))
+    if not isinstance(value, float | int):
+        return DASH
+    return f"{sign} {show(float(value), words, str(quantity.unit), digits=quantity.digits)}"
+
+
+def _margins(record: Record, worst: Margins, words: Catalogue) -> Table:
+    part = record.loop
 
     def nominal(name: str, key: str) -> Quantity:
         def value(item: object) -> float | str | None:
@@ -236,7 +256,13 @@ def _margins(part: LoopPart, worst: Margins, words: Catalogue) -> Table:
         ),
     )
     heads = (words.text("nominal"), words.text("worst-corner"))
-    return beside(words, "margins-caption", rows, heads, (part, worst), first="margin", width=2.0)
+    found = beside(words, "margins-caption", rows, heads, (part, worst), first="margin", width=1.6)
+    asked = (permitted_margin(row, record, words) for row in rows)
+    return replace(
+        found,
+        columns=(*found.columns, Column(head=words.text("permitted"), is_number=True)),
+        rows=tuple((*row, one) for row, one in zip(found.rows, asked, strict=True)),
+    )
 
 
 def _bandwidth(item: Margins | LoopPart, part: LoopPart, words: Catalogue) -> object:

@@ -26,6 +26,7 @@ from mtcommission.sheet.document import (
     Tone,
     note,
 )
+from mtcommission.sheet.loop import permitted_margin
 from mtcommission.sheet.tables import (
     ACCELERATION,
     BANDWIDTH,
@@ -79,7 +80,6 @@ class Measurement(NamedTuple):
     item: object
     permitted: str = DASH
     key: str = ""  # how ``verify`` calls it
-    is_told: bool = True  # whether a difference from the calculated value says something
 
 
 def fourth_page(
@@ -90,7 +90,10 @@ def fourth_page(
     rows = list(_structure(record, words))
     if not follows:
         margins = (GAIN_MARGIN, PHASE_MARGIN, BANDWIDTH)
-        rows += [Measurement(one.head(words), one, record.loop) for one in margins]
+        rows += [
+            Measurement(one.head(words), one, record.loop, permitted_margin(one, record, words))
+            for one in margins
+        ]
     for number, move in enumerate(record.moves, start=1):
         rows += _motion(record, move, number, words)
     titles = (move_title(one.move, number, words) for number, one in enumerate(record.moves, 1))
@@ -143,7 +146,7 @@ def _measured(
     measured, value = shown(found.measured, 4), row.quantity.of(row.item)
     if found.uncertainty is not None:
         measured += f" ± {shown(found.uncertainty, 2)}"
-    apart = shown(found.measured - value, 3) if row.is_told and isinstance(value, float) else ""
+    apart = shown(found.measured - value, 3) if isinstance(value, float) else ""
     return measured, apart, said
 
 
@@ -167,18 +170,22 @@ def _motion(
 ) -> Iterator[Measurement]:
     """Nominal values of one move; what is permitted is the requirement itself."""
     limits = {check.name: check.limit for check in record.assessment.checks}
-    for quantity, key, permitted in (
+    moving = [
         (SETTLING, "settling time", limits.get("settling time")),
         (RESIDUAL, "residual deviation", find_band(record)),
         (PEAK, "peak deviation", None),
-        (MAX_FORCE, "max force", limits.get("set force")),
-        (RMS_FORCE, "RMS force", limits.get("RMS force")),
-    ):
-        name = f"{words.text('move', number=number)}: {quantity.head(words)}"
+    ]
+    most = find_number(record, "drive.max_force")
+    if most is not None:
+        # What a trace shows is the motor's force, behind its lag, with what it holds beside.
+        beside = most - record.loop.motion_force
+        force = Quantity("verify-max-force", lambda one: one.peaks["F"] + beside, "N")
+        rms = (RMS_FORCE, "RMS force", limits.get("RMS force"))
+        moving += [(force, "max force", most), rms]
+    for quantity, key, permitted in moving:
+        name = f"{words.text('move', number=number)}: {capitalised(quantity.head(words))}"
         allowed, key = show(permitted, words, str(quantity.unit)), f"move {number}: {key}"
-        # What is recorded of the largest force is the motor's, behind its lag.
-        is_told = quantity is not MAX_FORCE
-        yield Measurement(name, quantity, move.response, allowed, key, is_told)
+        yield Measurement(name, quantity, move.response, allowed, key)
 
 
 class Change(NamedTuple):

@@ -12,7 +12,7 @@ from mtcommission.base.errors import ComputationError, InputError
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message, join_by_and, parts_of
 from mtcommission.base.messages.quantities import pretty_unit
-from mtcommission.controls.control import is_neutral
+from mtcommission.controls.control import is_neutral, name_row
 from mtcommission.controls.syntax import DOUBT
 from mtcommission.controls.wording import name_control
 from mtcommission.limits.requirements import REGISTER, Requirement, read_requirement
@@ -331,10 +331,7 @@ def _entries(record: Record, typed: Export | Message, words: Catalogue) -> Block
 
 def entry_name(entry: Entry, words: Catalogue) -> str:
     """Return the name of a parameter, marked where it is set elsewhere than in the control."""
-    row, name = entry.row, entry.row.name
-    if is_neutral(row):
-        setting = row.setting.name.lower().replace("_", "-")
-        name = words.text("neutral-name", setting=setting, name=name, number=row.index)
+    row, name = entry.row, name_row(entry.row, words)
     if row.is_elsewhere:
         return f"{ELSEWHERE_MARK} {name}"
     return f"[{row.section}] {name}" if row.section else name

@@ -384,10 +384,7 @@ measure-how-4 = { $axis ->
     [rotary] Abweichungen und Einschwingzeit: Winkelmessgerät oder Beschleunigungsaufnehmer auf bekanntem Radius, mit den Grenzwerten dieses Blattes, gegen den verzögerten Sollwert.
    *[linear] Abweichungen und Einschwingzeit: Laserinterferometer oder Beschleunigungsaufnehmer am Werkzeug, mit den Grenzwerten dieses Blattes, gegen den verzögerten Sollwert.
 }
-measure-how-5 = { $axis ->
-    [rotary] Drehmomente: Aufzeichnung des Antriebs (Momenten- oder Stromsollwert).
-   *[linear] Kräfte: Aufzeichnung des Antriebs (Kraft- oder Stromsollwert).
-}
+measure-how-5 = { word-force }: Aufzeichnung des Antriebs, Ist{ word-force-behind } oder Iststrom, so schnell abgetastet wie möglich; der Sollwert springt mit jedem Lagesollwert und ist größer.
 measure-caption = Berechnete und gemessene Werte
 measurement = Messung
 calculated = Berechnet
@@ -424,6 +421,11 @@ neutral-name = { $setting ->
     [filter-frequency] Filter { $number }: Frequenz
     [filter-damping] Filter { $number }: Dämpfung
     [filter-width] Filter { $number }: Breite
+    [wait] Wartezeit
+    [together] { $number ->
+        [jerk] Bahnruck
+       *[acceleration] Bahnbeschleunigung
+    }
    *[other] { $name }
 }
 entry-caption = Einzugebende Werte (vor Gebrauch prüfen; { $jerk ->

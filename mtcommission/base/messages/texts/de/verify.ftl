@@ -28,8 +28,8 @@ verify-setpoint-acceleration = Beschleunigung des Sollwerts
 verify-setpoint-jerk = Ruck des Sollwerts
 verify-peak-deviation = größte Abweichung
 verify-max-force = { $axis ->
-    [rotary] größtes Drehmoment
-   *[linear] größte { word-force }
+    [rotary] größtes Istmoment
+   *[linear] größte Ist{ word-force-behind }
 }
 verify-reference-delay = Verzug gegen den Sollwert
 verify-frequency = Frequenz (geregelt)

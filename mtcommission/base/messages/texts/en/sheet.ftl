@@ -354,10 +354,7 @@ measure-how-4 = { $axis ->
     [rotary] Deviations and settling time: angle measuring device, or accelerometer at a known radius, with the limits of this sheet, against the delayed setpoint.
    *[linear] Deviations and settling time: laser interferometer or accelerometer at the tool, with the limits of this sheet, against the delayed setpoint.
 }
-measure-how-5 = { $axis ->
-    [rotary] Torques: trace of the drive (torque or current setpoint).
-   *[linear] Forces: trace of the drive ({ word-force } or current setpoint).
-}
+measure-how-5 = { word-force-first }: trace of the drive, the actual { word-force } or current, sampled as fast as it can; the set { word-force } jumps with each setpoint and is larger.
 measure-caption = Calculated and measured values
 measurement = Measurement
 calculated = Calculated
