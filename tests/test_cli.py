@@ -335,6 +335,9 @@ def test_simulate_and_limits_agree_with_each_other(run, tmp_path):
     assert code == 0
     assert found["response"]["settling_time"] == pytest.approx(best["settling_time"], rel=1e-9)
     assert found["assessment"]["met"]
+    # What qualifies the verdict stands beside it, not below all that follows.
+    told = run("simulate", PAPER, *typed)[1]
+    assert told.index("Warning: Simulated without") < told.index("Simulated: a ")
 
 
 def test_a_console_of_another_code_page(tmp_path):
