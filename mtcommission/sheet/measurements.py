@@ -176,7 +176,9 @@ def _motion(
         (PEAK, "peak deviation", None),
     ]
     most = find_number(record, "drive.max_force")
-    if most is not None:
+    if most is None:  # the motor follows its setpoint
+        moving += [(MAX_FORCE, "max force", limits.get("set force"))]
+    else:
         # What a trace shows is the motor's force, behind its lag, with what it holds beside.
         beside = most - record.loop.motion_force
         force = Quantity("verify-max-force", lambda one: one.peaks["F"] + beside, "N")
