@@ -61,20 +61,12 @@ from mtcommission.sheet.tables import (
     show,
     table,
 )
-from mtcommission.sheet.verdict import find_number
+from mtcommission.sheet.verdict import permitted_margin
 
 Array = NDArray[np.float64]
 
 HIGHEST_DB = 40.0
 """Magnitude of the open loop from which on it is drawn."""
-
-PERMITTED = {
-    GAIN_MARGIN.name: ("≥", "tuning.gain_margin_db"),
-    PHASE_MARGIN.name: ("≥", "tuning.phase_margin_deg"),
-    SENSITIVITY.name: ("≤", "tuning.sensitivity_peak"),
-    BANDWIDTH.name: ("≥", "control.minimum_bandwidth"),
-}
-"""Which bound each margin has, and where the record holds it."""
 
 CUT_DB = 20.0 * np.log10(np.sqrt(0.5))
 """Of the closed velocity loop at its bandwidth."""
@@ -218,15 +210,6 @@ def _measured(
         magnitudes = Curve(label, f, np.interp(at, base_at, size) + gain, THIRD)
         found.append((magnitudes, Curve(label, f, np.interp(at, base_at, phase) + angle, THIRD)))
     return found
-
-
-def permitted_margin(quantity: Quantity, record: Record, words: Catalogue) -> str:
-    """Return what tuning keeps of a margin in every corner, or what the profile asks of it."""
-    sign, key = PERMITTED.get(quantity.name, ("", ""))
-    value = record.settings.get(key, find_number(record, key))
-    if not isinstance(value, float | int):
-        return DASH
-    return f"{sign} {show(float(value), words, str(quantity.unit), digits=quantity.digits)}"
 
 
 def _margins(record: Record, worst: Margins, words: Catalogue) -> Table:

@@ -26,7 +26,6 @@ from mtcommission.sheet.document import (
     Tone,
     note,
 )
-from mtcommission.sheet.loop import permitted_margin
 from mtcommission.sheet.tables import (
     ACCELERATION,
     BANDWIDTH,
@@ -48,7 +47,13 @@ from mtcommission.sheet.tables import (
     show,
     table,
 )
-from mtcommission.sheet.verdict import find_band, find_number, move_title, signature
+from mtcommission.sheet.verdict import (
+    find_band,
+    find_number,
+    move_title,
+    permitted_margin,
+    signature,
+)
 
 if TYPE_CHECKING:
     from mtcommission.export.write import Export

@@ -37,7 +37,12 @@ from mtcommission.sheet.document import (
     note,
 )
 from mtcommission.sheet.tables import (
+    BANDWIDTH,
+    DASH,
+    GAIN_MARGIN,
+    PHASE_MARGIN,
     RESIDUAL,
+    SENSITIVITY,
     SETTLING,
     Quantity,
     capitalised,
@@ -70,6 +75,14 @@ NAME_WIDTH, LEAST_NAME, MOST_NAME = 0.096, 2.0, 3.65
 """Of the column of parameters: for a letter, at least and at most, of 8.9 for all columns."""
 
 NUMBER = re.compile(r"-?\d+(\.\d+)?")
+
+PERMITTED = {
+    GAIN_MARGIN.name: ("≥", "tuning.gain_margin_db"),
+    PHASE_MARGIN.name: ("≥", "tuning.phase_margin_deg"),
+    SENSITIVITY.name: ("≤", "tuning.sensitivity_peak"),
+    BANDWIDTH.name: ("≥", "control.minimum_bandwidth"),
+}
+"""Which bound each margin has, and where the record holds it."""
 
 Row = tuple[str, str]
 
@@ -397,6 +410,15 @@ def find_number(record: Record, key: str) -> float | None:
     values = (item.value for item in record.data if item.key == key)
     value = next(values, None)
     return float(value) if isinstance(value, float | int) else None
+
+
+def permitted_margin(quantity: Quantity, record: Record, words: Catalogue) -> str:
+    """Return what tuning keeps of a margin in every corner, or what the profile asks of it."""
+    sign, key = PERMITTED.get(quantity.name, ("", ""))
+    value = record.settings.get(key, find_number(record, key))
+    if not isinstance(value, float | int):
+        return DASH
+    return f"{sign} {show(float(value), words, str(quantity.unit), digits=quantity.digits)}"
 
 
 def find_band(record: Record) -> float | None:
