@@ -122,6 +122,7 @@ def stages(repeats: int) -> list[Job]:
     """Where the time of the whole job goes, imports not counted, by the names of its stages."""
     from mtcommission.base.messages.catalogue import Catalogue
     from mtcommission.commission.commission import commission
+    from mtcommission.export.write import type_in
     from mtcommission.machine.profile.read import parse_profile, read_source
     from mtcommission.record.record import record_run
     from mtcommission.sheet.content import print_html, print_pdf
@@ -139,9 +140,10 @@ def stages(repeats: int) -> list[Job]:
         mark("record")
         record = record_run(found, created="")
         mark("sheet, HTML")
-        print_html(record)
+        typed = type_in(record)
+        print_html(record, typed)
         mark("sheet, PDF")
-        print_pdf(record)
+        print_pdf(record, typed)
         mark("end")
         spent: dict[str, float] = {}
         for (name, start), (_, end) in pairwise(marks):

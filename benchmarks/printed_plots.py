@@ -12,6 +12,7 @@ from io import BytesIO
 from pathlib import Path
 from time import process_time
 
+from mtcommission.export.write import type_in
 from mtcommission.record.record import load_record
 from mtcommission.sheet.content import compose
 from mtcommission.sheet.document import LinePlot
@@ -73,7 +74,8 @@ def main() -> None:
             command = [sys.executable, "-m", "benchmarks.printed_plots", path, draw.__name__]
             subprocess.run(command, check=True)
         return
-    document = compose(load_record(Path(path)))
+    record = load_record(Path(path))
+    document = compose(record, type_in(record))
     plots = [b for s in document.pages for b in s.blocks if isinstance(b, LinePlot)]
     print(f"{which[0]}: {len(plots)} plots, {measure(globals()[which[0]], plots)}")
 

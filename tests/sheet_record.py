@@ -20,12 +20,14 @@ from filelock import FileLock
 
 import mtcommission
 from mtcommission.base.messages.message import Message, Value, to_json
+from mtcommission.export.write import type_in
 from mtcommission.limits.requirements import RESIDUAL_DEVIATION, SET_FORCE
 from mtcommission.machine.profile.read import profile_text_hash
 from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.record.limits import limits_answer
 from mtcommission.record.record import Record
 from mtcommission.record.shape import dump_json, find_checksum, to_entry, to_plain
+from mtcommission.sheet import content
 
 Json = dict[str, Any]
 
@@ -78,6 +80,20 @@ def on_json(function: Callable[..., Any]) -> Callable[..., Any]:
         return function(*map(_read, values), **{key: _read(value) for key, value in named.items()})
 
     return call
+
+
+def _with_export(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a function of a record and its export as one of a record in JSON."""
+
+    def call(record: Any, *values: Any, **named: Any) -> Any:
+        return on_json(function)(record, on_json(type_in)(record), *values, **named)
+
+    return call
+
+
+compose, print_html, print_pdf = map(
+    _with_export, (content.compose, content.print_html, content.print_pdf)
+)
 
 
 def _read(value: Any) -> Any:

@@ -18,14 +18,19 @@ from mtcommission.base.messages.message import Message
 from mtcommission.machine.profile.shipped import shipped_names
 from mtcommission.record.record import Record
 from mtcommission.record.shape import to_entry
-from mtcommission.sheet.content import compose, print_html, print_pdf
 from mtcommission.sheet.document import Paragraph
 from mtcommission.sheet.loop import bode
-from mtcommission.sheet.verdict import type_in
 
-from .sheet_record import example_record, not_met, on_json, said, shipped_record, with_today
-
-compose, print_html, print_pdf, type_in = map(on_json, (compose, print_html, print_pdf, type_in))
+from .sheet_record import (
+    compose,
+    example_record,
+    not_met,
+    print_html,
+    print_pdf,
+    said,
+    shipped_record,
+    with_today,
+)
 
 FULL = 2 / 3
 """Share of the height between header and footer that a page must use."""
@@ -64,7 +69,7 @@ def sizes(page) -> list[float]:
 def test_a_sheet_has_four_full_pages(name, change, language):
     """Of every example machine with its own numbers, with old values, and one that misses."""
     record = change(shipped_record(name))
-    pages = list(pypdfium2.PdfDocument(print_pdf(record, language=language, typed=type_in(record))))
+    pages = list(pypdfium2.PdfDocument(print_pdf(record, language=language)))
     assert len(pages) == 4
     used = [fill(page) for page in pages]
     assert min(used) >= FULL, used

@@ -24,13 +24,12 @@ from mtcommission.machine.profile.read import parse_profile
 from mtcommission.record.identified import IdentifiedPart, read_evidence
 from mtcommission.record.record import Record
 from mtcommission.record.shape import to_entry, to_plain
-from mtcommission.sheet.content import compose
 from mtcommission.sheet.document import Section
 from mtcommission.sheet.html import set_html
 from mtcommission.sheet.identified import identified
 from mtcommission.sheet.loop import bode
 from mtcommission.study.improvements import value_tool_sensor
-from tests.sheet_record import example_record
+from tests.sheet_record import compose, example_record
 from tests.test_identify import table_file
 
 REST = """
@@ -88,7 +87,7 @@ def _section(part: IdentifiedPart, language: str = "en", **plant) -> str:
     blocks = tuple(identified(_record(part, **plant), Catalogue(language)))
     heading = Catalogue(language).text("identified-heading")
     section = Section(key="identified", heading=heading, blocks=blocks)
-    document = compose(to_entry(example_record(), Record))
+    document = compose(example_record())
     return set_html(replace(document, sections=(section,)))
 
 

@@ -19,11 +19,9 @@ from mtcommission.machine.profile.read import profile_text_hash
 from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.record.record import Record
 from mtcommission.record.shape import to_entry
-from mtcommission.sheet.content import compose, print_html
 from mtcommission.sheet.document import Headline, Table
-from mtcommission.sheet.verdict import type_in
 
-from .sheet_record import Json, example_record, run_of
+from .sheet_record import Json, compose, example_record, print_html, run_of
 
 LANGUAGES = ("en", "de")
 AVERAGE = {"kind": "moving_average", "time": 0.016, "second_time": 0.0, "frequency_hz": 0.0,
@@ -57,8 +55,7 @@ def _record(kind: str, old: str = "", new: str = "", **recommended: Any) -> Json
 
 
 def _page_one(record: Json, language: str = "en") -> tuple[Headline, Table]:
-    loaded = to_entry(record, Record)
-    blocks = compose(loaded, language, typed=type_in(loaded)).sections[0].blocks
+    blocks = compose(record, language).sections[0].blocks
     head = next(block for block in blocks if isinstance(block, Headline))
     return head, next(block for block in blocks if isinstance(block, Table))
 
@@ -171,7 +168,7 @@ def test_today_s_values_stand_beside_the_new_ones() -> None:
 
 def test_a_record_whose_profile_was_edited_says_why_there_are_no_rows() -> None:
     record = example_record()
-    printed = print_html(to_entry(record, Record))
+    printed = print_html(record)
     assert "No values to type in here: " in printed
     assert "Requirements met, BUT INCOMPLETE" in printed
 

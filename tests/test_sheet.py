@@ -30,7 +30,7 @@ from mtcommission.machine.profile.shipped import read_shipped, shipped_names
 from mtcommission.record.machine import list_data
 from mtcommission.record.record import Record
 from mtcommission.record.shape import to_entry, to_plain
-from mtcommission.sheet.content import compose, print_html, print_pdf, remark_on_print
+from mtcommission.sheet.content import remark_on_print
 from mtcommission.sheet.document import (
     Form,
     Formula,
@@ -47,9 +47,12 @@ from mtcommission.verify.checks import Check, what_of
 
 from .sheet_record import (
     HOSTILE,
+    compose,
     example_record,
     five_moves_record,
     on_json,
+    print_html,
+    print_pdf,
     retuned,
     rotary_record,
     said,
@@ -60,9 +63,7 @@ from .sheet_record import (
 
 ENGLISH, GERMAN = Catalogue("en"), Catalogue("de")
 
-compose, print_html, print_pdf, remark_on_print = map(
-    on_json, (compose, print_html, print_pdf, remark_on_print)
-)
+remark_on_print = on_json(remark_on_print)
 
 RECORDS = {
     "example": example_record,

@@ -19,18 +19,14 @@ from typing import Any
 import pypdfium2
 import pytest
 
-from mtcommission.sheet.content import print_html
-
 from .sheet_record import (
     example_record,
     five_moves_record,
-    on_json,
+    print_html,
     retuned,
     rotary_record,
     shipped_record,
 )
-
-print_html = on_json(print_html)
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="needs the browser chromium")

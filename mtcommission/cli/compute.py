@@ -74,6 +74,7 @@ def run(
     from mtcommission.commission.commission import commission
     from mtcommission.controls.kinds import GENERIC
     from mtcommission.export.catalogue import CONTROL_KEYS
+    from mtcommission.export.write import type_in
     from mtcommission.record.limits import limits_answer
     from mtcommission.record.machine import list_assumed
     from mtcommission.record.record import record_run
@@ -84,7 +85,6 @@ def run(
         attainable_sentences,
         reference_sentence,
         slowest_move,
-        type_in,
     )
 
     spoken = words()
@@ -99,12 +99,10 @@ def run(
         notes = (Message("entry-none", why=typed),) if isinstance(typed, Message) else typed.doubts
         files = {
             "record.json": dump_json(record).encode(),
-            "sheet.html": print_html(record, language=language, typed=typed).encode(),
+            "sheet.html": print_html(record, typed, language=language).encode(),
         }
         if not no_pdf:
-            files["sheet.pdf"] = print_pdf(
-                record, language=language, typed=typed, appendix=appendix
-            )
+            files["sheet.pdf"] = print_pdf(record, typed, language=language, appendix=appendix)
             notes = (*notes, *remark_on_print(record))
         for number, move in enumerate(found.moves, start=1):
             name = "setpoint.csv" if number == 1 else f"setpoint-{number}.csv"

@@ -42,12 +42,12 @@ def sheet(
     appendix: bool = APPENDIX,
 ) -> None:
     """Print the sheet again from the record alone."""
+    from mtcommission.export.write import type_in
     from mtcommission.record.read_back import load_verdict
     from mtcommission.record.record import load_record
     from mtcommission.record.shape import names_group
     from mtcommission.sheet.content import print_html, print_pdf, remark_on_print
     from mtcommission.sheet.measurements import remark_on_comparison
-    from mtcommission.sheet.verdict import type_in
 
     inputs = [record, *(one for one in (compare, verified) if one)]
     require_folder(output, "sheet.html", "sheet.pdf", inputs=inputs)
@@ -62,15 +62,15 @@ def sheet(
     with show_stage() as progress:
         progress(Message("stage-sheet"))
         typed = type_in(loaded)
-        page = print_html(loaded, language=language, before=before, verified=found, typed=typed)
+        page = print_html(loaded, typed, language=language, before=before, verified=found)
         files = {"sheet.html": page.encode()}
         if not no_pdf:
             files["sheet.pdf"] = print_pdf(
                 loaded,
+                typed,
                 language=language,
                 before=before,
                 verified=found,
-                typed=typed,
                 appendix=appendix,
             )
     write_files(output, files)

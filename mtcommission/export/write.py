@@ -9,9 +9,9 @@ header cannot promise what the text does not hold.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
-from mtcommission.base.errors import InputError
+from mtcommission.base.errors import ComputationError, InputError
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.base.units.quantities import wrap_whole
@@ -30,27 +30,11 @@ from mtcommission.export.header import (
 )
 from mtcommission.export.held import judge_text
 from mtcommission.export.subject import Subject, build_subject
-from mtcommission.limits.judge import Candidate
+from mtcommission.record.exported import Export
 from mtcommission.record.record import Record
-from mtcommission.setpoint.motion_limits import MotionLimits
 
 WIDTH = 96
 """Columns of the header's sentences."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Export:
-    """Limits and loop in a control's own words."""
-
-    header: tuple[str, ...]  # sentences above the parameters
-    entries: tuple[Entry, ...]  # every row, those that are only remarks last
-    limits: MotionLimits  # what the control makes of the typed numbers
-    verdict: Candidate  # of the simulation of what the text holds
-    is_met: bool  # whether it keeps all requirements in every corner, and the record's margins
-    meets_requirements: bool  # whether, moreover, no machining mode had to be left out
-    judgement: Message  # what the header says of that
-    doubts: tuple[Message, ...]  # what it says of modes left out, a ceiling, and neutral words
-    text: str  # the file
 
 
 def export_own(record: Record) -> Export:
@@ -71,6 +55,16 @@ def export_own(record: Record) -> Export:
             raise refused from None
         reason = Message("export-neutral", why=fault.message)
         return replace(found, doubts=(reason, *found.doubts))
+
+
+def type_in(record: Record) -> Export | Message:
+    """Return the export for the record's own control, or why there is none."""
+    try:
+        return export_own(record)
+    except InputError as error:
+        return error.faults[0].message
+    except ComputationError as error:
+        return error.message
 
 
 def export_record(

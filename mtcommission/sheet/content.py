@@ -26,11 +26,11 @@ from mtcommission.sheet.loop import loop_details, third_page
 from mtcommission.sheet.measurements import differences, fourth_page
 from mtcommission.sheet.responses import motions, move_sizes, second_page
 from mtcommission.sheet.tables import document_of, words_for
-from mtcommission.sheet.verdict import first_page, type_in
+from mtcommission.sheet.verdict import first_page
 from mtcommission.sheet.what_if import what_if
 
 if TYPE_CHECKING:
-    from mtcommission.export.write import Export
+    from mtcommission.record.exported import Export
 
 
 APPENDIX: Mapping[str, Callable[[Record, Catalogue], Iterable[Block]]] = MappingProxyType(
@@ -54,16 +54,16 @@ APPENDIX: Mapping[str, Callable[[Record, Catalogue], Iterable[Block]]] = Mapping
 
 def compose(
     record: Record,
+    typed: Export | Message,
     language: str = "en",
     *,
     before: Record | None = None,
     verified: Verified | None = None,
-    typed: Export | Message | None = None,
 ) -> Document:
-    """Return the sheet of a record.
+    """Return the sheet of a record and of its export for its own control, or why there is none.
 
     ``before`` is an earlier record of the axis, to tell what changed since; ``verified`` what
-    ``verify`` found; ``typed`` the record's ``type_in``, where page and PDF are to share it.
+    ``verify`` found.
 
     Raises
     ------
@@ -71,7 +71,6 @@ def compose(
         If there is no such language, or if the two records cannot be compared.
     """
     words = words_for(record.machine, language)
-    typed = type_in(record) if typed is None else typed
     pages: dict[str, Iterable[Block]] = {
         "verdict": first_page(record, typed, words),
         "responses": second_page(record, words),
@@ -103,11 +102,11 @@ def compose(
 
 def print_html(
     record: Record,
+    typed: Export | Message,
     *,
     language: str = "en",
     before: Record | None = None,
     verified: Verified | None = None,
-    typed: Export | Message | None = None,
 ) -> str:
     """Return the sheet as one HTML file that works offline; the arguments are ``compose``'s.
 
@@ -116,7 +115,7 @@ def print_html(
     InputError
         If there is no such language, or if the two records cannot be compared.
     """
-    document = compose(record, language, before=before, verified=verified, typed=typed)
+    document = compose(record, typed, language, before=before, verified=verified)
     part, words = record.what_if, words_for(record.machine, language)
     panel = what_if(part, words, profile=record.profile.name) if part else None
     return set_html(document, panel=panel)
@@ -124,11 +123,11 @@ def print_html(
 
 def print_pdf(
     record: Record,
+    typed: Export | Message,
     *,
     language: str = "en",
     before: Record | None = None,
     verified: Verified | None = None,
-    typed: Export | Message | None = None,
     appendix: bool = False,
 ) -> bytes:
     """Return the sheet as PDF, A4: four pages, and one for what changed; always the same bytes.
@@ -145,7 +144,7 @@ def print_pdf(
     """
     from mtcommission.sheet.pdf import set_pdf  # the typesetter takes a while to load
 
-    document = compose(record, language, before=before, verified=verified, typed=typed)
+    document = compose(record, typed, language, before=before, verified=verified)
     if not appendix:
         document = replace(document, sections=document.pages)
     return set_pdf(document)

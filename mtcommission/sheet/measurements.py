@@ -56,7 +56,7 @@ from mtcommission.sheet.verdict import (
 )
 
 if TYPE_CHECKING:
-    from mtcommission.export.write import Export
+    from mtcommission.record.exported import Export
 
 HOW = tuple(f"measure-how-{i}" for i in range(1, 6))
 HOW_FOLLOWED = HOW[0], HOW[3]

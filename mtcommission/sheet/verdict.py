@@ -8,7 +8,6 @@ from dataclasses import replace
 from math import inf
 from typing import TYPE_CHECKING
 
-from mtcommission.base.errors import ComputationError, InputError
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message, join_by_and, parts_of
 from mtcommission.base.messages.quantities import pretty_unit
@@ -55,7 +54,7 @@ from mtcommission.study.robustness import KeptRange
 
 if TYPE_CHECKING:
     from mtcommission.controls.syntax import Entry
-    from mtcommission.export.write import Export
+    from mtcommission.record.exported import Export
     from mtcommission.record.read_back import AxisRecord
     from mtcommission.record.record import Record
 
@@ -91,18 +90,6 @@ MARKED = (
     *("requirements.frequency_spread", "requirements.damping_spread"),
 )
 """Beginnings of the keys that other rows of page 1 mark, or that the largest payload stands for."""
-
-
-def type_in(record: Record) -> Export | Message:
-    """Return the export for the record's own control, or why there is none."""
-    from mtcommission.export.write import export_own
-
-    try:
-        return export_own(record)
-    except InputError as error:
-        return error.faults[0].message
-    except ComputationError as error:
-        return error.message
 
 
 def first_page(record: Record, typed: Export | Message, words: Catalogue) -> Iterator[Block]:
