@@ -28,7 +28,7 @@ from tests.machines import paper_machine
 
 Array = NDArray[np.float64]
 
-SEEDS = range(24)
+SEEDS = range(12)
 
 NOTCH = ForceFilter(kind="notch", natural_frequency=2 * pi * 150.0, damping=0.2)
 LOW_PASS = ForceFilter(kind="low_pass", natural_frequency=2 * pi * 900.0, damping=0.7)

@@ -16,7 +16,6 @@ import pytest
 from benchmarks.population import random_machine
 from mtcommission.controls.kind import PositionLoop
 from mtcommission.limits.choose import choose_limits
-from mtcommission.limits.judge import evaluate
 from mtcommission.machine.machine import Machine, vary
 from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.profile.read import read_profile
@@ -38,11 +37,12 @@ def broken_requirements(machine: Machine, shares: Sequence[float] = (1.0,)) -> l
 
     ``shares``: sizes of the moves, by the listed one [-].
     """
-    plant = build_plant(machine)
-    tuned = settle_on_loop(machine).tuned
-    limits = choose_limits(machine, tuned).limits
-    if not evaluate(machine, tuned, limits).assessment.is_met:
+    plant, settled = build_plant(machine), settle_on_loop(machine)
+    tuned = settled.tuned
+    best = settled.choice or choose_limits(machine, tuned)
+    if not best.meets_requirements:
         return None
+    limits = best.limits
     needs, drive, gains = machine.requirements, machine.drive, tuned.controller
     broken = []
     for (number, listed), share in product(enumerate(machine.moves, start=1), shares):

@@ -425,12 +425,14 @@ def test_killed_by_force_and_resumed(tmp_path, undisturbed, finished):
     assert (tmp_path / NAME).read_bytes().startswith(sound)
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_asked_to_end_and_resumed(tmp_path, undisturbed, number):
+@pytest.mark.parametrize(
+    ("number", "workers"), [(signal.SIGINT, "2"), (signal.SIGTERM, "1"), (signal.SIGHUP, "1")]
+)
+def test_asked_to_end_and_resumed(tmp_path, undisturbed, number, workers):
     """Ctrl-C, a shutdown or a closed terminal ends a sweep with a sentence, and no work is lost."""
     # Under nohup and on some CI runners the signal is ignored, and children inherit that.
     running = subprocess.Popen(
-        [*command(tmp_path), "--workers", "2"], text=True, start_new_session=True,
+        [*command(tmp_path), "--workers", workers], text=True, start_new_session=True,
         stdout=subprocess.PIPE, stderr=subprocess.PIPE,
         preexec_fn=partial(signal.signal, number, signal.SIG_DFL),
     )  # fmt: skip

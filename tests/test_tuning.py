@@ -69,7 +69,7 @@ def assert_tuned(tuned: TunedLoop) -> None:
         assert peak <= TUNING.sensitivity_peak
 
 
-@pytest.mark.parametrize("seed", [*range(4), *range(6, 24)])
+@pytest.mark.parametrize("seed", [*range(4), *range(6, 14)])
 def test_random_machines_are_tuned_or_say_why_not(seed):
     """A user's machine would end in a loop without margins, or in a traceback."""
     machine = in_corners(seed)
