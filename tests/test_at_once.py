@@ -49,14 +49,18 @@ tcp_deviation = "20 um"
 """
 
 
-def axis(modes: list[tuple[float, float, float]], a: float, more: str = "") -> Machine:
-    """An axis whose motor follows; modes as (frequency [Hz], damping ratio, gain)."""
+def text_of(modes: list[tuple[float, float, float]], a: object) -> str:
+    """Of an axis whose motor follows; modes as (frequency [Hz], damping ratio, gain)."""
     tables = "".join(
         f'[[plant.modes]]\nname = "m{n}"\nfrequency = "{f} Hz"\ndamping_ratio = {zeta}\n'
         f"tcp_gain = {gain}\n"
         for n, (f, zeta, gain) in enumerate(modes)
     )
-    return parse_profile(HEAD + tables + REST.format(a=a) + more, where="axis.toml")
+    return HEAD + tables + REST.format(a=a)
+
+
+def axis(modes: list[tuple[float, float, float]], a: float, more: str = "") -> Machine:
+    return parse_profile(text_of(modes, a) + more, where="axis.toml")
 
 
 def random_axis(seed: int) -> tuple[Machine, list[tuple[float, float, float]], float]:

@@ -27,31 +27,9 @@ from mtcommission.record.machine import list_data
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 from mtcommission.setpoint.setpoint import plan_setpoint
 from tests.independent_loop import behind, profile_of
-from tests.test_at_once import axis
+from tests.test_at_once import axis, text_of
 
-PRINTER = """
-schema = 1
-[machine]
-name = "Printer"
-axis = "X"
-source = "accelerometer on the head"
-[plant]
-kind = "modal"
-[[plant.modes]]
-name = "belt"
-frequency = "45 Hz"
-damping_ratio = 0.05
-[drive]
-kind = "position_source"
-max_acceleration = "20 m/s^2"
-[[moves]]
-distance = "20 mm"
-max_velocity = "300 mm/s"
-[requirements]
-tcp_deviation = "20 um"
-[control]
-kind = "klipper"
-"""
+PRINTER = text_of([(45.0, 0.05, 1.0)], '"20 m/s^2"') + '[control]\nkind = "klipper"\n'
 
 MZV = SetpointFilter(kind="mzv", frequency_hz=45.0, damping_ratio=0.05)
 
@@ -174,7 +152,7 @@ def test_torque_that_falls_with_speed_bounds_acceleration_and_velocity():
     assert (drive.max_force, drive.force_velocity) == (8.0, 0.3)
     assert drive.max_velocity == 0.5
     (short,) = faults_of(curve((0.1, 30.0), (0.2, 8.0)))
-    assert "got 300 mm/s, but the motor follows only 0.2 m/s" in short
+    assert "got 0.3 m/s, but the motor follows only 0.2 m/s" in short
 
 
 def faults_of(text: str) -> list[str]:
