@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.identify.fit import Fitted, fit_state
-from mtcommission.identify.measurement import (
+from mtcommission.measured.measurement import (
     FrequencyResponse,
     Sensor,
     Signal,

@@ -26,11 +26,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.identify.calibrate_shaper import propose_shapers
-from mtcommission.identify.measurement import AllDirections
 from mtcommission.limits.choose import choose_limits
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.profile.read import parse_profile
 from mtcommission.machine.setpoint_filter import SetpointFilter, shape
+from mtcommission.measured.measurement import AllDirections
 
 Array = NDArray[np.float64]
 Impulses = list[tuple[float, float]]

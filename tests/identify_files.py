@@ -13,7 +13,7 @@ import pyuff
 from numpy.typing import NDArray
 from scipy.signal import cont2discrete, dlsim
 
-from mtcommission.identify.formats.sinumerik import ALPHABET
+from mtcommission.measured.formats.sinumerik import ALPHABET
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

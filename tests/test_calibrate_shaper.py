@@ -13,11 +13,11 @@ from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.identify.calibrate_shaper import propose_shapers
 from mtcommission.identify.gather import by_axis, gather
 from mtcommission.identify.identified import identify
-from mtcommission.identify.measurement import AllDirections, Given, Spectrum
 from mtcommission.identify.profile import Writing, write_profile
 from mtcommission.identify.states import states_differ
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.profile.read import parse_profile
+from mtcommission.measured.measurement import AllDirections, Given, Spectrum
 from mtcommission.study.rules import compare_shapers
 
 Modes = tuple[tuple[float, float, float], ...]

@@ -16,11 +16,11 @@ import pytest
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.identify.gather import gather
 from mtcommission.identify.identified import identify
-from mtcommission.identify.measurement import Given
 from mtcommission.identify.profile import Writing, merge_profile, write_profile
 from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.profile.read import parse_profile
 from mtcommission.machine.profile.shipped import read_shipped
+from mtcommission.measured.measurement import Given
 from mtcommission.record.machine import list_data
 from tests import identify_files as made
 from tests.conftest import Run

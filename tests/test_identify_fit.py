@@ -16,7 +16,7 @@ from mtcommission.base.errors import InputError
 from mtcommission.identify.fit import fit_state
 from mtcommission.identify.gather import gather
 from mtcommission.identify.identified import identify
-from mtcommission.identify.measurement import (
+from mtcommission.measured.measurement import (
     Evidence,
     FrequencyResponse,
     Given,

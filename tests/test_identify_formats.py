@@ -13,7 +13,7 @@ import pytest
 
 from mtcommission.base.errors import InputError
 from mtcommission.identify.gather import gather, read_file
-from mtcommission.identify.measurement import (
+from mtcommission.measured.measurement import (
     FrequencyResponse,
     Given,
     Sensor,

@@ -13,7 +13,7 @@ import pytest
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.identify.gather import gather
 from mtcommission.identify.identified import identify
-from mtcommission.identify.measurement import Given
+from mtcommission.measured.measurement import Given
 from mtcommission.record.identified import IdentifiedPart
 from tests import identify_files as made
 

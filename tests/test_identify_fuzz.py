@@ -14,7 +14,7 @@ from benchmarks.fuzz import call
 from mtcommission.base.errors import InputError
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.identify.gather import read_file
-from mtcommission.identify.measurement import (
+from mtcommission.measured.measurement import (
     Finding,
     FrequencyResponse,
     Given,

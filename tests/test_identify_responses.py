@@ -9,7 +9,7 @@ from scipy.signal import lfilter
 from mtcommission.base.errors import InputError
 from mtcommission.identify.gather import read_file
 from mtcommission.identify.identified import identify
-from mtcommission.identify.measurement import (
+from mtcommission.measured.measurement import (
     Evidence,
     FreeVibration,
     FrequencyResponse,

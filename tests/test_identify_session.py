@@ -15,7 +15,7 @@ import pytest
 
 from mtcommission.base.errors import InputError
 from mtcommission.identify.gather import gather, read_file
-from mtcommission.identify.measurement import FrequencyResponse, Given, Sensor, Signal
+from mtcommission.measured.measurement import FrequencyResponse, Given, Sensor, Signal
 from tests import identify_files as made
 from tests.conftest import Run
 

@@ -12,9 +12,9 @@ import pytest
 
 from mtcommission.base.errors import InputError
 from mtcommission.base.messages.catalogue import Catalogue
-from mtcommission.identify.measurement import Given
 from mtcommission.machine.moves import Positioning
 from mtcommission.machine.profile.read import parse_profile
+from mtcommission.measured.measurement import Given
 from mtcommission.record.read_back import read_limits
 from mtcommission.record.record import Record
 from mtcommission.record.shape import to_entry

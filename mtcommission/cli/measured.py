@@ -37,7 +37,7 @@ PER_AMPERE = ("N/A", "N m/A", "N*m/A", "Nm/A")
 """Units of a force or torque constant, all of SI."""
 
 if TYPE_CHECKING:
-    from mtcommission.identify.measurement import Given
+    from mtcommission.measured.measurement import Given
 
 
 def identify(
@@ -175,7 +175,7 @@ def _read_given(
     sensor: str, input_: str, constant: str, measured: str, columns: list[str], profile: Path | None
 ) -> Given:
     from mtcommission.commission.options import Options
-    from mtcommission.identify.measurement import (
+    from mtcommission.measured.measurement import (
         INPUTS,
         MOTIONS,
         Given,
@@ -257,7 +257,7 @@ def verify(
 
     Says first whether the control sent what was entered. Reads what identify reads.
     """
-    from mtcommission.identify.measurement import Given
+    from mtcommission.measured.measurement import Given
 
     inputs = [record, *(Path(name) for name in traces if name != "-")]
     require_writable(json_file, renewed, inputs=inputs)

@@ -22,12 +22,12 @@ from numpy.typing import NDArray
 
 from mtcommission.base.errors import InputError
 from mtcommission.base.messages.message import Message
-from mtcommission.identify.columns import read_signal_unit
-from mtcommission.identify.damped import correlation_length
-from mtcommission.identify.formats.recognise import read_contents, read_measured
-from mtcommission.identify.formats.table import find_columns
-from mtcommission.identify.measurement import Column, Lines, Signal, TimeContents, refuse
-from mtcommission.identify.record import read_clock
+from mtcommission.measured.columns import read_signal_unit
+from mtcommission.measured.formats.recognise import read_contents, read_measured
+from mtcommission.measured.formats.table import find_columns
+from mtcommission.measured.measurement import Column, Lines, Signal, TimeContents, refuse
+from mtcommission.measured.regression import correlation_length
+from mtcommission.measured.signals import read_clock
 from mtcommission.verify.setpoint import runs
 
 Array = NDArray[np.float64]

@@ -24,8 +24,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.base.messages.message import Message
-from mtcommission.identify.damped import neighbours
-from mtcommission.identify.measurement import Array, ComplexArray, FrequencyResponse, Signal
+from mtcommission.measured.measurement import Array, ComplexArray, FrequencyResponse, Signal
+from mtcommission.measured.regression import neighbours
 
 HIGHEST_SHARE = 0.3
 """Share of the sampling frequency up to which lines are kept: above it anti-alias filters act, and

@@ -15,9 +15,9 @@ from math import sqrt
 
 import numpy as np
 
-from mtcommission.identify.measurement import AllDirections, Array
 from mtcommission.machine.identified import ShaperProposal
 from mtcommission.machine.setpoint_filter import TOLERANCE, shape
+from mtcommission.measured.measurement import AllDirections, Array
 
 LEAST_FREQUENCIES_HZ = {"zv": 21.0, "mzv": 23.0, "ei": 29.0, "2hump_ei": 39.0, "3hump_ei": 48.0}
 """Shapers that it tries, in its order, and from which frequency."""

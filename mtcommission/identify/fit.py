@@ -13,15 +13,6 @@ from numpy.typing import NDArray
 
 from mtcommission.base.errors import Fault, InputError
 from mtcommission.base.messages.message import Message
-from mtcommission.identify.damped import neighbours
-from mtcommission.identify.measurement import (
-    Array,
-    ComplexArray,
-    FrequencyResponse,
-    Sensor,
-    Signal,
-    Spectrum,
-)
 from mtcommission.identify.order import BROADEST, Ordered, choose_modes, smooth_errors
 from mtcommission.identify.projection import (
     ERROR_FLOOR,
@@ -35,8 +26,17 @@ from mtcommission.identify.projection import (
     see,
     share_frequencies,
 )
-from mtcommission.identify.record import LEAST_LINES
 from mtcommission.machine.identified import MOST_MISFIT, Estimate, MeasuredMode
+from mtcommission.measured.measurement import (
+    Array,
+    ComplexArray,
+    FrequencyResponse,
+    Sensor,
+    Signal,
+    Spectrum,
+)
+from mtcommission.measured.regression import neighbours
+from mtcommission.measured.signals import LEAST_LINES
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -14,8 +14,8 @@ import numpy as np
 from mtcommission.base.errors import Fault, InputError
 from mtcommission.base.messages.message import Message
 from mtcommission.identify.averaged import average
-from mtcommission.identify.formats.recognise import read_contents, read_measured
-from mtcommission.identify.measurement import (
+from mtcommission.measured.formats.recognise import read_contents, read_measured
+from mtcommission.measured.measurement import (
     MOTIONS,
     Array,
     Channel,
@@ -33,7 +33,7 @@ from mtcommission.identify.measurement import (
     refuse,
     within,
 )
-from mtcommission.identify.record import read_record, read_response, read_spectrum, settle
+from mtcommission.measured.signals import read_record, read_response, read_spectrum, settle
 
 
 def gather(files: Sequence[str], given: Given) -> Evidence:

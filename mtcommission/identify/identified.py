@@ -16,17 +16,6 @@ from mtcommission.base.errors import Fault, InputError
 from mtcommission.base.messages.message import Message
 from mtcommission.identify.calibrate_shaper import propose_shapers
 from mtcommission.identify.fit import Fitted, FittedResponse, FittedSpectrum
-from mtcommission.identify.measurement import (
-    Array,
-    Channel,
-    Evidence,
-    FrequencyResponse,
-    Sensor,
-    Signal,
-    Source,
-    Spectrum,
-    TimeRecord,
-)
 from mtcommission.identify.projection import spacing_at
 from mtcommission.identify.states import (
     State,
@@ -38,6 +27,17 @@ from mtcommission.identify.states import (
     middle_of,
 )
 from mtcommission.machine.identified import MeasuredFile, ShaperProposal
+from mtcommission.measured.measurement import (
+    Array,
+    Channel,
+    Evidence,
+    FrequencyResponse,
+    Sensor,
+    Signal,
+    Source,
+    Spectrum,
+    TimeRecord,
+)
 from mtcommission.record.identified import IdentifiedPart, MeasuredResponseEntry, RecordCheckEntry
 from mtcommission.record.shape import dump_json, to_plain
 

@@ -11,8 +11,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.identify.damped import correlation_length, information_criterion, neighbours
-from mtcommission.identify.measurement import Array
 from mtcommission.identify.projection import (
     Lines,
     Poles,
@@ -25,6 +23,8 @@ from mtcommission.identify.projection import (
     spacing_at,
     weighed_rows,
 )
+from mtcommission.measured.measurement import Array
+from mtcommission.measured.regression import correlation_length, information_criterion, neighbours
 
 NEIGHBOURS = 21
 """Lines over which the scatter of the residuals is taken (empirical)."""

@@ -21,10 +21,10 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 from scipy.optimize import least_squares
 
-from mtcommission.identify.damped import information_criterion, regress
 from mtcommission.identify.fit import FittedSpectrum
-from mtcommission.identify.measurement import Array, Spectrum
 from mtcommission.machine.identified import Estimate, MeasuredMode
+from mtcommission.measured.measurement import Array, Spectrum
+from mtcommission.measured.regression import information_criterion, regress
 
 LOBE_TO_DEVIATION = 0.18
 """Standard deviation of a bell as narrow as the main lobe of a Hann window's power, in that

@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.identify.measurement import Array, ComplexArray, FrequencyResponse
+from mtcommission.measured.measurement import Array, ComplexArray, FrequencyResponse
 
 ERROR_FLOOR = 3e-3
 """Least relative standard error of a line: no sensor and no amplifier is better (empirical)."""

@@ -12,15 +12,15 @@ import numpy as np
 
 from mtcommission.base.messages.message import Message
 from mtcommission.identify.fit import Fitted, FittedSpectrum, fit_state
-from mtcommission.identify.measurement import (
+from mtcommission.machine.identified import Estimate, MeasuredMode
+from mtcommission.machine.machine import MOST_STATES
+from mtcommission.measured.measurement import (
     Evidence,
     FreeVibration,
     FrequencyResponse,
     Sensor,
     Spectrum,
 )
-from mtcommission.machine.identified import Estimate, MeasuredMode
-from mtcommission.machine.machine import MOST_STATES
 from mtcommission.record.identified import MeasuredStateEntry, SpreadEntry
 
 FARTHEST = 0.25

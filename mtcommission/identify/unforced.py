@@ -17,14 +17,8 @@ from scipy.signal import decimate, welch
 
 from mtcommission.base.messages.message import Message
 from mtcommission.identify.averaged import HALF_POWER_BINS, HIGHEST_SHARE
-from mtcommission.identify.damped import (
-    Damped,
-    FreeMode,
-    correlation_length,
-    fit_damped,
-    information_criterion,
-)
-from mtcommission.identify.measurement import (
+from mtcommission.machine.identified import MeasuredMode
+from mtcommission.measured.measurement import (
     AllDirections,
     Array,
     Channel,
@@ -34,7 +28,13 @@ from mtcommission.identify.measurement import (
     Spectrum,
     TimeRecord,
 )
-from mtcommission.machine.identified import MeasuredMode
+from mtcommission.measured.regression import (
+    Damped,
+    FreeMode,
+    correlation_length,
+    fit_damped,
+    information_criterion,
+)
 
 MOST_SAMPLES = 1500
 MOST_MODES = 6

@@ -16,9 +16,9 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from mtcommission.identify.damped import FreeMode, fit_damped, regress, weigh
-from mtcommission.identify.measurement import Array, Channel
 from mtcommission.machine.identified import Estimate
+from mtcommission.measured.measurement import Array, Channel
+from mtcommission.measured.regression import FreeMode, fit_damped, regress, weigh
 from mtcommission.verify.prediction import ENCODER, FORCE, TOOL, Prediction, Rebuilt, predict
 from mtcommission.verify.setpoint import Motion
 from mtcommission.verify.trace import Role, Trace, resolution

@@ -14,11 +14,11 @@ from math import inf, sqrt
 
 import numpy as np
 
-from mtcommission.identify.damped import Equations, regress
-from mtcommission.identify.measurement import Array
 from mtcommission.loop.model.assembly import build_loop
 from mtcommission.loop.simulate import drive_loop
 from mtcommission.machine.identified import Estimate
+from mtcommission.measured.measurement import Array
+from mtcommission.measured.regression import Equations, regress
 from mtcommission.verify.beside import Recorded
 from mtcommission.verify.prediction import Rebuilt, cycles_of
 from mtcommission.verify.refine import Parameter

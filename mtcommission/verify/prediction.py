@@ -8,7 +8,6 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.identify.measurement import Array
 from mtcommission.loop.analysis import mode_poles, share_out, unfold
 from mtcommission.loop.model.assembly import SampledLoop, build_loop
 from mtcommission.loop.model.controller import Controller
@@ -16,6 +15,7 @@ from mtcommission.loop.simulate import drive_loop, find_friction
 from mtcommission.loop.tuning.tuned import corner_plants, follow
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.plant.plant import Plant, build_plant
+from mtcommission.measured.measurement import Array
 from mtcommission.record.read_back import held_controller, read_held
 from mtcommission.record.record import Record
 from mtcommission.verify.setpoint import Motion

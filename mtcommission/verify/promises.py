@@ -10,8 +10,8 @@ from math import hypot, inf, isfinite, pi, sqrt
 import numpy as np
 
 from mtcommission.base.messages.message import Message
-from mtcommission.identify.measurement import Array
 from mtcommission.limits.requirements import SETTLING_TIME, bounded_states
+from mtcommission.measured.measurement import Array
 from mtcommission.record.record import Record
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.verify.beside import Beside, Recorded, allowed_shift

@@ -26,13 +26,13 @@ from scipy.linalg import expm, solve_banded
 from mtcommission.base.errors import ComputationError, MtcommissionError
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
-from mtcommission.identify.damped import Equations, Regression, regress
-from mtcommission.identify.measurement import Array
 from mtcommission.machine.identified import Estimate
 from mtcommission.machine.keys import list_quantities
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.machine.profile.read import parse_profile
+from mtcommission.measured.measurement import Array
+from mtcommission.measured.regression import Equations, Regression, regress
 from mtcommission.record.limits import JudgedLimits
 from mtcommission.record.record import Record
 from mtcommission.record.shape import entry_of

@@ -18,8 +18,8 @@ from scipy.interpolate import BSpline, splrep
 from mtcommission.base.errors import MtcommissionError
 from mtcommission.base.messages.message import Message
 from mtcommission.base.units.quantities import AxisUnits
-from mtcommission.identify.measurement import Array, Channel
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
+from mtcommission.measured.measurement import Array, Channel
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import Setpoint, plan_setpoint, sample_setpoint
 from mtcommission.verify.checks import Check, Verdict

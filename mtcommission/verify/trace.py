@@ -11,9 +11,9 @@ from math import ceil
 import numpy as np
 
 from mtcommission.base.messages.message import Message
-from mtcommission.identify.columns import Course, Meaning, read_columns
-from mtcommission.identify.formats.recognise import read_contents, read_measured
-from mtcommission.identify.measurement import (
+from mtcommission.measured.columns import Course, Meaning, read_columns
+from mtcommission.measured.formats.recognise import read_contents, read_measured
+from mtcommission.measured.measurement import (
     FORCES,
     Array,
     Channel,
@@ -24,7 +24,7 @@ from mtcommission.identify.measurement import (
     TimeContents,
     refuse,
 )
-from mtcommission.identify.record import read_clock
+from mtcommission.measured.signals import read_clock
 
 SAME_TRAVEL = 0.5
 """Relative difference between what setpoint and encoder travel that no following error explains:

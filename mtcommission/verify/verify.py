@@ -9,7 +9,7 @@ from math import inf, isfinite
 import numpy as np
 
 from mtcommission.base.messages.message import Message
-from mtcommission.identify.measurement import refuse
+from mtcommission.measured.measurement import refuse
 from mtcommission.record.read_back import read_limits
 from mtcommission.record.record import Record
 from mtcommission.setpoint.motion_limits import MotionLimits

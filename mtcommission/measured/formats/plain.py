@@ -19,7 +19,7 @@ from math import isfinite, pi
 import numpy as np
 
 from mtcommission.base.messages.message import Message
-from mtcommission.identify.formats.table import (
+from mtcommission.measured.formats.table import (
     CLOCK,
     Head,
     Table,
@@ -27,7 +27,7 @@ from mtcommission.identify.formats.table import (
     read_table,
     words_of,
 )
-from mtcommission.identify.measurement import (
+from mtcommission.measured.measurement import (
     INPUTS,
     MOTIONS,
     Column,

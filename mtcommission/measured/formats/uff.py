@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from mtcommission.identify.measurement import (
+from mtcommission.measured.measurement import (
     Array,
     Column,
     FileContents,

@@ -15,8 +15,8 @@ from dataclasses import replace
 import numpy as np
 
 from mtcommission.base.messages.message import Message
-from mtcommission.identify.formats.table import LAST_LINE
-from mtcommission.identify.measurement import Array, Column, FileContents, TimeContents, broken
+from mtcommission.measured.formats.table import LAST_LINE
+from mtcommission.measured.measurement import Array, Column, FileContents, TimeContents, broken
 
 STEP = "SampleTime[ms]"
 HEAD_LINES = 60

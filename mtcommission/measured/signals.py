@@ -16,16 +16,16 @@ import numpy as np
 from mtcommission.base.errors import Fault, InputError, Refused
 from mtcommission.base.messages.message import Message
 from mtcommission.base.units.quantities import TIME, parse_quantity
-from mtcommission.identify.columns import (
+from mtcommission.measured.columns import (
     Course,
     Meaning,
     place_in,
     read_columns,
     read_response_unit,
 )
-from mtcommission.identify.formats.sinumerik import SETPOINT
-from mtcommission.identify.formats.table import CLOCK, SAMPLE_TIME, words_of
-from mtcommission.identify.measurement import (
+from mtcommission.measured.formats.sinumerik import SETPOINT
+from mtcommission.measured.formats.table import CLOCK, SAMPLE_TIME, words_of
+from mtcommission.measured.measurement import (
     FORCES,
     INPUTS,
     MOTIONS,

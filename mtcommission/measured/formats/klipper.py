@@ -12,8 +12,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from mtcommission.base.messages.message import Message
-from mtcommission.identify.formats.table import read_table, words_of
-from mtcommission.identify.measurement import (
+from mtcommission.measured.formats.table import read_table, words_of
+from mtcommission.measured.measurement import (
     AllDirections,
     Array,
     Column,

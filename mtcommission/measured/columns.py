@@ -13,8 +13,8 @@ from enum import Enum, auto
 from mtcommission.base.errors import Refused
 from mtcommission.base.messages.message import Message
 from mtcommission.base.units.symbols import Unit, read_unit
-from mtcommission.identify.formats.table import find_columns, words_of
-from mtcommission.identify.measurement import (
+from mtcommission.measured.formats.table import find_columns, words_of
+from mtcommission.measured.measurement import (
     FORCES,
     MOTIONS,
     Column,

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mtcommission.base.messages.message import Message
-from mtcommission.identify.measurement import Array, Lines, broken, refuse
+from mtcommission.measured.measurement import Array, Lines, broken, refuse
 
 COMMENT_MARKS = "#%!"
 MOST_COLUMNS = 400

@@ -11,12 +11,12 @@ from pathlib import Path
 
 from mtcommission.base.files import read_bytes
 from mtcommission.base.messages.message import Message
-from mtcommission.identify.formats.klipper import header_of, read_klipper
-from mtcommission.identify.formats.plain import PERIOD, read_halscope, read_plain
-from mtcommission.identify.formats.sinumerik import read_sinumerik
-from mtcommission.identify.formats.twincat import is_twincat, read_twincat
-from mtcommission.identify.formats.uff import is_uff, read_uff
-from mtcommission.identify.measurement import FileContents, broken, within
+from mtcommission.measured.formats.klipper import header_of, read_klipper
+from mtcommission.measured.formats.plain import PERIOD, read_halscope, read_plain
+from mtcommission.measured.formats.sinumerik import read_sinumerik
+from mtcommission.measured.formats.twincat import is_twincat, read_twincat
+from mtcommission.measured.formats.uff import is_uff, read_uff
+from mtcommission.measured.measurement import FileContents, broken, within
 
 LARGEST_FILE = 64_000_000
 """Bytes; a minute of ten signals at 8 kHz has half of it."""

@@ -13,8 +13,8 @@ from math import log, pi, sqrt
 
 import numpy as np
 
-from mtcommission.identify.measurement import Array, ComplexArray
 from mtcommission.machine.identified import Estimate
+from mtcommission.measured.measurement import Array, ComplexArray
 
 RATIO = 0.05
 """Damping ratio that weighs in a step like the whole frequency."""

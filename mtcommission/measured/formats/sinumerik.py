@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from mtcommission.base.errors import InputError
 from mtcommission.base.messages.message import Message
-from mtcommission.identify.measurement import (
+from mtcommission.measured.measurement import (
     Array,
     Column,
     ComplexArray,
