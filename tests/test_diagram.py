@@ -15,7 +15,7 @@ from benchmarks.population import random_machine
 from mtcommission.controls.kind import PositionLoop
 from mtcommission.loop.analysis import scan
 from mtcommission.loop.disturbance import simulate_disturbance
-from mtcommission.loop.model.assembly import INPUTS
+from mtcommission.loop.model.assembly import INPUTS, as_state_space
 from mtcommission.loop.model.diagram import build_lifted_model, build_open_loop
 from mtcommission.loop.tuning.gains import design_observer, feedback_gains, is_seen
 from mtcommission.loop.tuning.tuned import TunedLoop, close_loop, corner_plants
@@ -78,9 +78,9 @@ def assert_same(ours: Array, theirs: Array) -> None:
 def assert_is_the_diagram(tuned: TunedLoop) -> None:
     believed = tuned.loops[0].plant
     for loop in tuned.loops:
-        ours = loop.lifted
+        ours = as_state_space(loop)
         theirs = build_lifted_model(loop.plant, tuned.controller, model=believed)
-        assert (ours.dt, loop.states) == (theirs.dt, tuple(theirs.state_labels))
+        assert (ours.dt, ours.states) == (theirs.dt, tuple(theirs.state_labels))
         n = len(INPUTS)
         assert tuple(theirs.input_labels[:n]) == INPUTS
         assert_same(ours.A, theirs.A)

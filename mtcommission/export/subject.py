@@ -17,6 +17,7 @@ from mtcommission.base.messages.message import Message
 from mtcommission.controls.control import Axis
 from mtcommission.controls.kind import ControlKind, PositionLoop
 from mtcommission.limits.corner_velocity import find_corner_velocity
+from mtcommission.loop.model.assembly import as_state_space
 from mtcommission.loop.model.controller import INTERPOLATED, Controller
 from mtcommission.machine.machine import Machine, Motion
 from mtcommission.machine.moves import peak_velocity
@@ -161,7 +162,7 @@ def build_subject(record: AxisRecord, kind: ControlKind) -> Subject:
     """
     machine, recommended = read_held(record), record.limits.recommended
     tuned, recorded = close_as_held(machine), np.array(record.loop.closed_loop.A)
-    rebuilt = tuned.loops[0].lifted.A
+    rebuilt = as_state_space(tuned.loops[0]).A
     same = recorded.shape == rebuilt.shape and np.allclose(
         recorded, rebuilt, rtol=REBUILT, atol=ROUNDING * float(np.max(np.abs(rebuilt)))
     )

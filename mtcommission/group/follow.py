@@ -261,13 +261,13 @@ def tool_response(loop: SampledLoop, omega: Array) -> Complex:
     seen at every velocity cycle, and the mean over these is its fundamental.
     """
     lifted, parts = loop.lifted, loop.controller.cycles
-    own, every = len(loop.outputs), np.eye(len(lifted.A))
-    C, D = lifted.C[TOOL::own], lifted.D[TOOL::own]  # one row for each velocity cycle
-    ahead = np.exp(1j * omega * lifted.dt)
-    setpoint = (1j * omega)[:, None] ** np.arange(4)
-    states = np.linalg.solve(
-        ahead[:, None, None] * every - lifted.A, (setpoint @ lifted.B.T)[..., None]
-    )
-    seen = states[..., 0] @ C.T + setpoint @ D.T
+    C = lifted.C[TOOL :: len(loop.outputs)]  # one row for each velocity cycle
+    ahead = np.exp(1j * omega * lifted.dt)[:, None, None]
+    # The setpoint now, and as it was kept.
+    kept = ahead[..., 0] ** -np.arange(loop.kept + 1)
+    setpoint = kept[..., None] * ((1j * omega)[:, None] ** np.arange(4))[:, None]
+    push = setpoint.reshape(len(omega), -1) @ lifted.B.T
+    states = np.linalg.solve(ahead * np.eye(len(lifted.A)) - lifted.A, push[..., None])
+    seen = states[..., 0] @ C.T
     late = np.exp(-1j * np.outer(omega, np.arange(parts)) * loop.controller.velocity_cycle)
     return np.asarray(np.mean(seen * late, axis=1))

@@ -31,6 +31,7 @@ from mtcommission.limits.requirements import (
     sort_requirements,
 )
 from mtcommission.loop.disturbance import EncoderNoise, encoder_noise, worst_noise
+from mtcommission.loop.model.assembly import INPUTS
 from mtcommission.loop.poles import LoopPoles, find_poles
 from mtcommission.loop.respond import (
     Signal,
@@ -350,10 +351,11 @@ def _pulses(poles: LoopPoles, signal: Signal) -> tuple[float, float]:
     late = max(int(poles.delay / poles.dt) - 1, 0)
     largest = np.zeros(2)
     for loop in poles.loops:
-        lifted, X = loop.lifted, loop.lifted.B[:, 2:]
+        lifted, pushes = loop.lifted, loop.lifted.B.reshape(len(loop.states), -1, len(INPUTS))
+        X = pushes[:, 0, 2:]
         seen = signal.row @ lifted.C.reshape(poles.cycles, poles.outputs, -1)
         for m in range(2 * poles.recent):
             if m >= late:
                 largest = np.maximum(largest, np.abs(seen @ X).max(axis=0))
-            X = lifted.A @ X
+            X = lifted.A @ X + (pushes[:, m + 1, 2:] if m < loop.kept else 0.0)
     return float(largest[0]), float(largest[1])

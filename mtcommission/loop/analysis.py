@@ -319,13 +319,12 @@ class PoleShares:
 
 def share_out(loop: SampledLoop) -> PoleShares:
     """Return the closed-loop poles and the participation of the plant's modes in them."""
-    own, dt = loop.own_size, loop.lifted.dt  # the setpoint that is kept behind it has no dynamics
-    parts = tuple(eig(loop.lifted.A[:own, :own], left=True, right=True))
+    parts = tuple(eig(loop.lifted.A, left=True, right=True))
     z, left, right = (np.asarray(part, dtype=np.complex128) for part in parts)
     alive = np.abs(z) > DEAD_TIME_RADIUS
     return PoleShares(
         radius=float(np.max(np.abs(z))),
-        poles=np.asarray(np.log(z[alive]) / dt, dtype=np.complex128),
+        poles=np.asarray(np.log(z[alive]) / loop.lifted.dt, dtype=np.complex128),
         shares=_participation(loop, left[:, alive], right[:, alive]),
     )
 

@@ -50,9 +50,9 @@ def simulate_disturbance(loop: SampledLoop, *, duration: float) -> DisturbanceSt
 
     The step begins with a position cycle; the setpoint rests, the force is not saturated.
     """
-    T_v, push = loop.controller.velocity_cycle, np.zeros(loop.own_size)
+    T_v, push = loop.controller.velocity_cycle, np.zeros(len(loop.states))
     push[: loop.plant.order] = discretise_disturbance(loop.plant, T_v)
-    nothing = np.zeros(loop.own_size - loop.held)
+    nothing = np.zeros(len(loop.states) - loop.held)
     found = _step_response(loop, push, nothing, duration)[:, 0]
     t = np.arange(len(found), dtype=np.float64) * T_v
     return DisturbanceStep(t=t, deflection=found)
@@ -82,7 +82,7 @@ def encoder_noise(loop: SampledLoop, *, resolution: float) -> EncoderNoise:
     if resolution == 0.0:
         return EncoderNoise(tool=0.0, force=0.0)
     noise = SIGMAS / sqrt(12.0) * _standard_deviations(loop)
-    sample, handed_down = loop.sensed[:, : loop.own_size]
+    sample, handed_down = loop.sensed
     swings = _step_response(loop, sample, handed_down[loop.held :], SWING)
     tool, force = np.abs(swings[:, 0]).max(), np.ptp(swings[:, 1])
     return EncoderNoise(
@@ -104,9 +104,8 @@ def _standard_deviations(loop: SampledLoop) -> Array:
     The covariance at the beginning of a position cycle solves P = A P Aᵀ + Q. It is summed by
     doubling: scipy's solver loses all digits where a loop holds states of very different size.
     """
-    size, rows = loop.own_size, _seen(loop)
-    cycle, A = loop.cycle[:size, :size], loop.lifted.A[:size, :size]
-    sample, handed_down = loop.sensed[:, :size]
+    rows, cycle, A = _seen(loop), loop.cycle, loop.lifted.A
+    sample, handed_down = loop.sensed
     entries = [sample]
     for _ in range(loop.controller.cycles - 1):
         entries.append(cycle @ entries[-1])
@@ -127,11 +126,10 @@ def _standard_deviations(loop: SampledLoop) -> Array:
 def _step_response(loop: SampledLoop, entry: Array, handed_down: Array, duration: float) -> Array:
     """Tool and set force at every velocity cycle after a constant input sets in, (n, 2).
 
-    ``entry``: what the input adds to the loop's own states in a velocity cycle, ``handed_down``: to
+    ``entry``: what the input adds to the loop's states in a velocity cycle, ``handed_down``: to
     what is held, in a position cycle. It begins with a position cycle.
     """
-    size, rows = loop.own_size, _seen(loop)
-    cycle, A = loop.cycle[:size, :size], loop.lifted.A[:size, :size]
+    size, rows, cycle, A = len(loop.states), _seen(loop), loop.cycle, loop.lifted.A
     seen, added, state, pushed = [], [], np.eye(size), np.zeros(size)
     for _ in range(loop.controller.cycles):
         seen.append(rows @ state)
@@ -150,5 +148,5 @@ def _step_response(loop: SampledLoop, entry: Array, handed_down: Array, duration
 
 
 def _seen(loop: SampledLoop) -> Array:
-    """Tool and set force, over the loop's own states."""
-    return loop.observation[[0, 2], : loop.own_size]
+    """Tool and set force, over the loop's states."""
+    return loop.observation[[0, 2]]

@@ -112,14 +112,15 @@ def average_phases(poles: LoopPoles, rows: Array) -> MeanResponse:
     T, missing = poles.dt, np.abs(poles.factors) == 0.0
     rates = np.where(missing, GONE, poles.rates)
     early = (np.arange(PHASES) + 0.5)[:, None, None] / PHASES * T
-    # The step comes s before its first sample, ``recent`` cycles before the modal states.
+    # The step comes ``early`` before its first sample.
     begun = sum(early**b / factorial(b) * poles.starts[3 - b] for b in range(4))
-    age = np.where(missing, 0.0, rates) * (early + poles.recent * T)
+    age = np.where(missing, 0.0, rates) * early
     c = np.where(missing, 0.0, (begun * np.exp(-age)).mean(axis=0))
     ages = _lay_ages(poles)
-    s = poles.delay + ages
+    # The modal states are those ``recent`` cycles after that sample.
+    s = poles.delay + ages - poles.recent * T
     signals = (rows @ poles.shapes[:, 0]).swapaxes(1, 2) * c[..., None]
-    each = signals[..., None] * np.exp(rates[..., None] * s)[:, :, None]
+    each = signals[..., None] * np.exp(np.where(missing, 0.0, rates)[..., None] * s)[:, :, None]
     each = each.reshape(*rates.shape, -1)
     seen = np.concatenate([each.real, -each.imag], axis=1).astype(np.float32)
     return MeanResponse(rates=rates, ages=ages, seen=seen, signals=len(rows))

@@ -32,7 +32,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import matrix_balance, schur, solve_sylvester
 
-from mtcommission.loop.model.assembly import LiftedLoop, SampledLoop
+from mtcommission.loop.model.assembly import INPUTS, LiftedLoop, SampledLoop
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -118,14 +118,11 @@ BASE, BLOCKS = 256, 64
 def find_poles(loops: tuple[SampledLoop, ...]) -> LoopPoles:
     """Return a controller on the machine in every corner by its poles; stable ones only."""
     first = loops[0]
-    n_out, cycles, own = len(first.outputs), first.controller.cycles, first.own_size
-    delays = (len(first.lifted.A) - own) // 4
-    slow = [_slow_part(loop.lifted.A[:own, :own]) for loop in loops]
+    n_out, cycles, delays = len(first.outputs), first.controller.cycles, first.kept
+    slow = [_slow_part(loop.lifted.A) for loop in loops]
     recent = delays + FADING
     if any(part.condition > ILL_CONDITIONED for part in slow):
-        slowest = max(
-            float(np.max(np.abs(np.linalg.eigvals(loop.lifted.A[:own, :own])))) for loop in loops
-        )
+        slowest = max(float(np.max(np.abs(np.linalg.eigvals(loop.lifted.A)))) for loop in loops)
         recent = delays + min(ceil(log(1e-12) / log(min(slowest, 1.0 - 1e-9))), STEPPED)
         slow = [
             replace(one, factors=one.factors[:0], right=one.right[:, :0], left=one.left[:0])
@@ -139,14 +136,17 @@ def find_poles(loops: tuple[SampledLoop, ...]) -> LoopPoles:
     steady = np.empty((len(loops), cycles, n_out, HIGHEST + 1))
     for i, (loop, part) in enumerate(zip(loops, slow, strict=True)):
         count, C = len(part.factors), loop.lifted.C.reshape(cycles, n_out, -1)
-        S = following_states(loop.lifted, HIGHEST)
+        S, past = following_states(loop.lifted, HIGHEST), past_setpoints(loop.lifted, HIGHEST)
         factors[i, :count], steady[i] = part.factors, C @ S.T
-        shapes[i, ..., :count] = C[:, :, :own] @ part.right
+        shapes[i, ..., :count] = C @ part.right
         X = -S.T
         for m in range(recent):
             table[m, i] = C @ X
             X = loop.lifted.A @ X
-        starts[:, i, :count] = (part.left @ X[:own]).T
+            if m < delays:  # of what was kept before the step, m cycles later
+                older = loop.lifted.B[:, len(INPUTS) * (m + 1) :]
+                X -= older @ past[:, len(INPUTS) : len(INPUTS) + older.shape[1]].T
+        starts[:, i, :count] = (part.left @ X).T
     low: Complex = np.power(factors, np.arange(BASE, dtype=np.float64)[:, None, None])
     each = np.arange(BLOCKS, dtype=np.float64)[:, None, None]
     powers = low, np.power(factors**BASE, each)
@@ -198,11 +198,25 @@ def following_states(lifted: LiftedLoop, order: int) -> Array:
     """
     n, T = len(lifted.A), lifted.dt
     inverse = np.linalg.inv(np.eye(n) - lifted.A)
+    pushed = past_setpoints(lifted, order) @ lifted.B.T
     S = np.zeros((order + 1, n))
     for k in range(order + 1):
         later = sum((S[k - i] * (T**i / factorial(i)) for i in range(1, k + 1)), np.zeros(n))
-        S[k] = inverse @ ((lifted.B[:, k] if k < 4 else 0.0) - later)
+        S[k] = inverse @ (pushed[k] - later)
     return S
+
+
+def past_setpoints(lifted: LiftedLoop, order: int) -> Array:
+    """Return the setpoint now and as kept, per unit of its k-th derivative now, as ``lifted.B``.
+
+    By Taylor into the past, shape (order + 1, 4 (kept + 1)).
+    """
+    ago = -lifted.dt * np.arange(lifted.B.shape[1] // len(INPUTS))
+    past = np.zeros((order + 1, len(ago), len(INPUTS)))
+    for k in range(order + 1):
+        for q in range(min(k + 1, len(INPUTS))):
+            past[k, :, q] = ago ** (k - q) / factorial(k - q)
+    return past.reshape(order + 1, -1)
 
 
 def restrict(poles: LoopPoles, corners: Sequence[int]) -> LoopPoles:

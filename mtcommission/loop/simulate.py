@@ -32,7 +32,11 @@ from math import ceil, inf, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.model.assembly import SampledLoop, discretise_disturbance
+from mtcommission.loop.model.assembly import (
+    SampledLoop,
+    discretise_disturbance,
+    hand_down_setpoints,
+)
 from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.poles import Cycles, LoopPoles, find_poles
 from mtcommission.loop.respond import (
@@ -102,7 +106,7 @@ BLOCK = 64
 def step_through(
     loops: Sequence[SampledLoop],
     X: Array,
-    references: Array,
+    given: Array,
     *,
     force_limit: float,
     friction: Friction | None = None,
@@ -110,20 +114,20 @@ def step_through(
     """Return the same controller on several machines some position cycles later, and its outputs.
 
     The set force saturates at ``force_limit`` [N], and the integrator stands still meanwhile.
-    ``X``: states, shape (n_loops, n); ``references``: x_ref, v_ref, a_ref, j_ref at each position
-    cycle, shape (n_cycles, 4), or of each loop, (n_cycles, n_loops, 4). The outputs at every
-    velocity cycle have the shape (n_loops, n_samples, n_outputs).
+    ``X``: states, shape (n_loops, n); ``given``: what the setpoints hand down at each position
+    cycle, shape (n_cycles, n_held), or of each loop, (n_cycles, n_loops, n_held). The outputs at
+    every velocity cycle have the shape (n_loops, n_samples, n_outputs).
     """
     first = loops[0]
-    z, held, own, seen = first.integrator, first.held, first.own_size, len(first.outputs)
+    z, held, seen = first.integrator, first.held, len(first.outputs)
     rows = np.array([loop.rows for loop in loops])
     # What is handed down by the encoder differs from machine to machine.
-    handing = np.array([loop.handed_down for loop in loops])
-    outputs = np.empty((len(loops), len(references), first.controller.cycles, seen))
+    by_state = np.array([loop.by_state for loop in loops])
+    outputs = np.empty((len(loops), len(given), first.controller.cycles, seen))
     k, is_linear = 0, friction is None
-    while k < len(references):
+    while k < len(given):
         if is_linear:
-            states, Y = _step_linear(loops, X, references[k : k + BLOCK])
+            states, Y = _step_linear(loops, X, given[k : k + BLOCK])
             pending = np.abs(states[1:, :, z + 1]).max(axis=1)
             asked = np.abs(Y[:, :, 1:, FORCE]).max(axis=(1, 2), initial=0.0)
             is_over = np.maximum(pending, asked) > force_limit
@@ -131,8 +135,7 @@ def step_through(
             outputs[:, k : k + kept], X = Y[:kept].swapaxes(0, 1), states[kept].copy()
             k, is_linear = k + kept, kept == len(Y)
             continue
-        r = np.broadcast_to(references[k], (len(loops), references.shape[-1]))
-        handed_down = (handing @ np.hstack([X, r])[:, :, None])[:, :, 0]
+        handed_down = (by_state @ X[:, :, None])[:, :, 0] + given[k]
         is_linear = friction is None
         for i in range(first.controller.cycles):
             Y = (rows @ X[:, :, None])[:, :, 0]
@@ -146,20 +149,20 @@ def step_through(
             if friction:
                 rubbed = X[:, : first.plant.order]
                 rubbed += friction.force(rubbed)[:, None] * friction.push
-        X = np.hstack([X[:, :held], handed_down, r, X[:, own:]])[:, : X.shape[1]]
+        X[:, held:] = handed_down
         k += 1
     return X, outputs.reshape(len(loops), -1, seen)
 
 
-def _step_linear(loops: Sequence[SampledLoop], X: Array, references: Array) -> tuple[Array, Array]:
+def _step_linear(loops: Sequence[SampledLoop], X: Array, given: Array) -> tuple[Array, Array]:
     """States before each position cycle and at the end, (n + 1, n_loops, n_states), and outputs."""
-    A, B, C, D = (np.array([getattr(one.lifted, name) for one in loops]) for name in "ABCD")
-    states = np.empty((len(references) + 1, *X.shape))
+    A, C = (np.array([getattr(one.lifted, name) for one in loops]) for name in "AC")
+    states = np.empty((len(given) + 1, *X.shape))
     states[0] = X
-    own = references[None] if references.ndim == 2 else references.swapaxes(0, 1)
-    for k, push in enumerate((own @ B.swapaxes(1, 2)).swapaxes(0, 1)):
-        states[k + 1] = (A @ states[k, :, :, None])[:, :, 0] + push
-    found = states[:-1].swapaxes(0, 1) @ C.swapaxes(1, 2) + own @ D.swapaxes(1, 2)
+    for k, push in enumerate(given):
+        states[k + 1] = (A @ states[k, :, :, None])[:, :, 0]
+        states[k + 1, :, loops[0].held :] += push
+    found = states[:-1].swapaxes(0, 1) @ C.swapaxes(1, 2)
     found = found.reshape(*found.shape[:2], loops[0].controller.cycles, -1)
     return states, found.swapaxes(0, 1)
 
@@ -173,11 +176,13 @@ def drive_loops(
 ) -> Array:
     """Return the outputs at every velocity cycle, at rest before, (n_loops, n_samples, n_out).
 
-    ``references``: at each position cycle, as in ``step_through``; ``force_limit``: of the set
-    force [N]; ``friction``: of the loops' plants.
+    ``references``: x_ref, v_ref, a_ref, j_ref at each position cycle, shape (n_cycles, 4), or of
+    each loop, (n_cycles, n_loops, 4); ``force_limit``: of the set force [N]; ``friction``: of the
+    loops' plants.
     """
     rest = np.zeros((len(loops), len(loops[0].states)))
-    return step_through(loops, rest, references, force_limit=force_limit, friction=friction)[1]
+    given = hand_down_setpoints(loops[0], references)
+    return step_through(loops, rest, given, force_limit=force_limit, friction=friction)[1]
 
 
 def drive_loop(
@@ -295,9 +300,8 @@ def simulate_rubbing(
     cycle, friction = gains.position_cycle, friction_of(loops, drive)
     n = np.arange(ceil((setpoint.duration + gains.reference_delay + followed) / cycle))
     references = sample_setpoint(setpoint, np.asarray(n * cycle))
-    rest, limit = np.zeros((len(loops), len(loops[0].states))), drive.usable_force
-    late = _delayed(setpoint, gains, n)
-    _, outputs = step_through(loops, rest, references, force_limit=limit, friction=friction)
+    late, limit = _delayed(setpoint, gains, n), drive.usable_force
+    outputs = drive_loops(loops, references, force_limit=limit, friction=friction)
     found = []
     for loop, own in zip(loops, outputs, strict=True):
         settles = bool(abs(own[-1, TOOL] - late[-1]) <= band)
@@ -403,13 +407,14 @@ def _step_saturated(
     What asks for more force than there is until the horizon does not settle.
     """
     T, gains, outputs = poles.dt, loops[0].controller, list[Array]()
-    X = np.zeros((len(loops), len(loops[0].lifted.A)))
+    X = np.zeros((len(loops), len(loops[0].states)))
     k, stop = 0, _end(setpoint, poles)
     end, last = stop, stop + min(ceil(HORIZON / T), STEPPED // poles.cycles)
+    references = sample_setpoint(setpoint, np.asarray(np.arange(last) * T))
+    given = hand_down_setpoints(loops[0], references)
     while k < last:
         n = np.arange(k, stop)
-        references = sample_setpoint(setpoint, np.asarray(n * T))
-        X, Y = step_through(loops, X, references, force_limit=limit)
+        X, Y = step_through(loops, X, given[k:stop], force_limit=limit)
         outputs.append(Y)
         off = np.abs(Y[:, :, TOOL] - _delayed(setpoint, gains, n)).max(axis=1)
         is_free = np.abs(Y[:, :, FORCE]).max(axis=1) < limit

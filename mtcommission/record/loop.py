@@ -13,7 +13,13 @@ from mtcommission.controls.kind import MOVING_AVERAGE
 from mtcommission.limits.requirements import SET_FORCE, Yields, bounded_states, requirements_of
 from mtcommission.loop.analysis import draw_bode
 from mtcommission.loop.disturbance import DisturbanceStep, EncoderNoise, encoder_noise, worst_noise
-from mtcommission.loop.model.assembly import INPUTS, CrossCheck, SampledLoop, build_loop
+from mtcommission.loop.model.assembly import (
+    INPUTS,
+    CrossCheck,
+    SampledLoop,
+    as_state_space,
+    build_loop,
+)
 from mtcommission.loop.model.controller import Controller, PathDelay, list_delays
 from mtcommission.loop.respond import OUTPUTS
 from mtcommission.loop.tuning.tuned import TunedLoop
@@ -204,8 +210,7 @@ def loop_part(
         ),
         closed_loop=entry_of(
             ClosedLoop,
-            tuned.loops[0].lifted,
-            tuned.loops[0],
+            as_state_space(tuned.loops[0]),
             inputs=INPUTS,
             outputs=[f"{name}[{i}]" for i in range(controller.cycles) for name in outputs],
         ),
@@ -456,19 +461,7 @@ def what_if_part(
 
 
 def _sampled_entry(loop: SampledLoop) -> SampledEntry:
-    """A loop without the kept setpoint samples, which follow from the setpoint alone."""
-    size, rows = loop.own_size, loop.handed_down
-    # Kept samples stand before the current one in ``handed_down``: newest first from here on.
-    return entry_of(
-        SampledEntry,
-        loop.controller,
-        loop,
-        states=loop.states[:size],
-        pending=loop.integrator + 1,
-        cycle=loop.cycle[:size, :size],
-        by_state=rows[:, :size],
-        by_setpoint=np.hstack([rows[:, -4:], rows[:, size:-4]]),
-    )
+    return entry_of(SampledEntry, loop.controller, loop, pending=loop.integrator + 1)
 
 
 def _plant_entry(machine: Machine, plant: Plant) -> VariedPlantEntry:

@@ -254,15 +254,15 @@ def _interpolated(controller: Controller, by_setpoint: Array) -> HandedDown:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LiftedLoop:
-    """The linear loop at the position cycle, X⁺ = A X + B r, Y = C X + D r.
+    """The linear loop at the position cycle, X⁺ = A X + B r, Y = C X.
 
-    X and Y as in ``SampledLoop``, r = (x, v, a, j) of the setpoint.
+    X and Y as in ``SampledLoop``, r = (x, v, a, j) of the setpoint now, then one position cycle
+    earlier, and so on: what the control keeps of it is known, and no state.
     """
 
     A: Array  # (n, n)
-    B: Array  # (n, 4)
+    B: Array  # (n, 4 (kept + 1))
     C: Array  # (cycles n_outputs, n), the outputs of the first velocity cycle first
-    D: Array
     dt: float  # position cycle [s]
 
 
@@ -276,17 +276,23 @@ class SampledLoop:
     demand: Array  # force asked for, (n,)
     integration: Array  # what the integrator adds, (n,)
     observation: Array  # outputs, (n_outputs, n)
-    handed_down: Array  # what the position cycle computes, over (state, references), (n_held, n+4)
+    by_state: Array  # what the position cycle hands down, over the state, (n_held, n) ...
+    by_setpoint: Array  # ... and over r as in ``LiftedLoop``, (n_held, 4 (kept + 1))
     sensed: Array
     """What an error of the encoder adds to the state one velocity cycle later, and where a position
     cycle begins, one position cycle later, shape (2, n) [1/m]."""
-    held: int  # first state that holds what is handed down; the kept setpoint samples follow
+    held: int  # first state that holds what is handed down
     states: tuple[str, ...]
     outputs: tuple[str, ...]  # tcp, encoder, force, then the plant's states
     lifted: LiftedLoop = field(init=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "lifted", _lift(self))
+
+    @property
+    def kept(self) -> int:
+        """Setpoints before the current one that the control keeps."""
+        return int(self.by_setpoint.shape[1]) // len(INPUTS) - 1
 
     @property
     def cycle(self) -> Array:
@@ -306,11 +312,6 @@ class SampledLoop:
         """Index of the integrator; the pending force follows it."""
         return self.plant.order
 
-    @property
-    def own_size(self) -> int:
-        """Number of states without the kept setpoint samples, which end it."""
-        return self.held + len(self.handed_down)
-
 
 def build_loop(plant: Plant, controller: Controller, *, model: Plant) -> SampledLoop:
     """Return the loop of a plant, perhaps in a corner, under a controller with all its gains.
@@ -323,23 +324,19 @@ def build_loop(plant: Plant, controller: Controller, *, model: Plant) -> Sampled
     names += ["reference_model"] if controller.reference_model_time else []
     names += [f"filter[{i}].{k}" for i in range(len(controller.force_filters)) for k in range(2)]
     names += [f"observer.{model.states[i]}" for i in controller.observer.states]
-    held, own = len(names), len(names) + len(handed_down.names)
+    held = len(names)
     names += handed_down.names
-    names += [f"{name}[-{k}]" for k in range(1, handed_down.kept + 1) for name in INPUTS]
     size = len(names)
     cycle = _open_loop_cycle if controller.follows else _velocity_cycle
     step, demand, integration = cycle(plant, controller, handed_down, size=size)
-    # What the position cycle computes, over (state, references).
-    rows = np.zeros((own - held, size + len(INPUTS)))
-    rows[:, size:] = handed_down.by_setpoint[:, : len(INPUTS)]
-    rows[:, own:size] = handed_down.by_setpoint[:, len(INPUTS) :]
-    rows[:, : plant.order] = np.outer(handed_down.by_encoder, plant.row("encoder"))
+    by_state = np.zeros((size - held, size))
+    by_state[:, : plant.order] = np.outer(handed_down.by_encoder, plant.row("encoder"))
     unit = np.eye(size)
     P, force = unit[: plant.order], unit[plant.order + 1]
     sensed = np.zeros((2, size))
     sensed[0] = step[:, -1]
     sensed[0, plant.order : plant.order + 2] += integration[-1], demand[-1]
-    sensed[1, held:own] = handed_down.by_encoder
+    sensed[1, held:] = handed_down.by_encoder
     return SampledLoop(
         plant=plant,
         controller=controller,
@@ -347,7 +344,8 @@ def build_loop(plant: Plant, controller: Controller, *, model: Plant) -> Sampled
         demand=demand[:-1],
         integration=integration[:-1],
         observation=np.vstack([plant.row("tcp") @ P, plant.row("encoder") @ P, force, P]),
-        handed_down=rows,
+        by_state=by_state,
+        by_setpoint=handed_down.by_setpoint,
         sensed=sensed,
         held=held,
         states=tuple(names),
@@ -360,8 +358,7 @@ def _velocity_cycle(
 ) -> tuple[Array, Array, Array]:
     """Step matrix, demanded force and integrator increment, as rows over state and encoder error.
 
-    The order of the state is that of ``SampledLoop.states``; only the kept setpoint samples
-    at its end do not take part.
+    The order of the state is that of ``SampledLoop.states``.
     """
     observer, n, T_v = controller.observer, plant.order, controller.velocity_cycle
     unit = np.eye(size, size + 1)
@@ -427,16 +424,58 @@ def _open_loop_cycle(
 
 
 def _lift(loop: SampledLoop) -> LiftedLoop:
-    """The linear loop at the position cycle, by advancing unit states and unit references."""
-    n, z, own = len(loop.states), loop.integrator, loop.own_size
-    unit = np.eye(n + len(INPUTS))
-    X, rows, seen, outputs = unit[:n], loop.rows, len(loop.outputs), []
+    """The linear loop at the position cycle, by advancing unit states."""
+    n, z, held = len(loop.states), loop.integrator, loop.held
+    X, rows, seen, outputs = np.eye(n), loop.rows, len(loop.outputs), []
     for _ in range(loop.controller.cycles):
         Y = rows @ X
         outputs.append(Y[:seen])
         X = Y[seen + 2 :]
         X[z] += Y[seen + 1]
         X[z + 1] = Y[seen]
-    following = np.vstack([X[: loop.held], loop.handed_down, unit[n:], X[own:]])[:n]
-    Y, T_p = np.vstack(outputs), loop.controller.position_cycle
-    return LiftedLoop(A=following[:, :n], B=following[:, n:], C=Y[:, :n], D=Y[:, n:], dt=T_p)
+    X[held:] = loop.by_state
+    B = np.zeros((n, loop.by_setpoint.shape[1]))
+    B[held:] = loop.by_setpoint
+    return LiftedLoop(A=X, B=B, C=np.vstack(outputs), dt=loop.controller.position_cycle)
+
+
+def hand_down_setpoints(loop: SampledLoop, references: Array) -> Array:
+    """Return what setpoints, one each position cycle, hand down, shape (n_cycles, ..., n_held).
+
+    ``references``: x_ref, v_ref, a_ref, j_ref, shape (n_cycles, ..., 4), at rest at 0 before.
+    """
+    count, weights = len(references), loop.by_setpoint.reshape(-1, loop.kept + 1, len(INPUTS))
+    found = np.zeros((*references.shape[:-1], len(weights)))
+    for back in np.flatnonzero(weights.any(axis=(0, 2))):
+        found[back:] += references[: max(count - back, 0)] @ weights[:, back].T
+    return found
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class StateSpace:
+    """The lifted loop with the kept setpoints as states: X⁺ = A X + B r, Y = C X + D r.
+
+    r = (x, v, a, j) of the setpoint now.
+    """
+
+    A: Array
+    B: Array
+    C: Array
+    D: Array
+    dt: float  # position cycle [s]
+    states: tuple[str, ...]  # those of the loop, then the kept setpoints, newest first
+
+
+def as_state_space(loop: SampledLoop) -> StateSpace:
+    """Return a loop for whoever simulates it with the setpoint of each position cycle alone."""
+    lifted, now, n = loop.lifted, len(INPUTS), len(loop.states)
+    memory = now * loop.kept
+    unit, nothing = np.eye(memory, k=-now), np.zeros((memory, n))
+    return StateSpace(
+        A=np.block([[lifted.A, lifted.B[:, now:]], [nothing, unit]]),
+        B=np.vstack([lifted.B[:, :now], np.eye(memory, now)]),
+        C=np.hstack([lifted.C, np.zeros((len(lifted.C), memory))]),
+        D=np.zeros((len(lifted.C), now)),
+        dt=lifted.dt,
+        states=loop.states + tuple(f"{x}[-{k}]" for k in range(1, loop.kept + 1) for x in INPUTS),
+    )

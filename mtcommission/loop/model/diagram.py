@@ -23,8 +23,8 @@ from mtcommission.loop.model.assembly import (
     INPUTS,
     CrossCheck,
     HandedDown,
-    LiftedLoop,
     SampledLoop,
+    StateSpace,
     hand_down,
 )
 from mtcommission.loop.model.controller import Controller, filter_polynomials
@@ -60,11 +60,11 @@ def build_model(plant: Plant, controller: Controller, *, model: Plant) -> contro
     return control.ss(part, states=whole.state_labels, outputs=seen, name="loop")
 
 
-def as_open_loop_model(lifted: LiftedLoop) -> control.StateSpace:
+def as_open_loop_model(axis: StateSpace) -> control.StateSpace:
     """Return an open-loop axis with the outputs of ``build_model``: there is no loop to draw."""
-    A, B, C, D = lifted.A, lifted.B, lifted.C[:3], lifted.D[:3]
+    A, B, C, D = axis.A, axis.B, axis.C[:3], axis.D[:3]
     signals = {"inputs": list(INPUTS), "outputs": ["tcp", "encoder", "force"]}
-    return control.ss(A, B, C, D, lifted.dt, **signals, name="loop")
+    return control.ss(A, B, C, D, axis.dt, **signals, name="loop")
 
 
 def build_lifted_model(plant: Plant, controller: Controller, *, model: Plant) -> control.StateSpace:
@@ -254,7 +254,8 @@ def check_by_blocks(loop: SampledLoop, frequency_hz: Array) -> CrossCheck:
     """Return what the block diagram says of the nominal loop; margins on the same frequencies."""
     plant, controller = loop.plant, loop.controller
     whole = build_lifted_model(plant, controller, model=plant)
-    ours, theirs = np.linalg.eigvals(loop.lifted.A), np.linalg.eigvals(whole.A)
+    n = len(loop.states)  # behind them the kept setpoints, which have no dynamics
+    ours, theirs = np.linalg.eigvals(loop.lifted.A), np.linalg.eigvals(whole.A[:n, :n])
     alive = ours[np.abs(ours) > DEAD_TIME_RADIUS]
     omega = 2.0 * pi * frequency_hz
     cut = build_open_loop(plant, controller)(np.exp(1j * omega * controller.velocity_cycle))

@@ -19,7 +19,7 @@ from mtcommission.loop.analysis import (
     complete,
     lay_grids,
 )
-from mtcommission.loop.model.assembly import SampledLoop, build_loop
+from mtcommission.loop.model.assembly import SampledLoop, as_state_space, build_loop
 from mtcommission.loop.model.controller import INTERPOLATED, Controller
 from mtcommission.machine.machine import NOMINAL, Corner, Machine, corners, vary
 from mtcommission.machine.plant.plant import Plant, build_plant
@@ -147,7 +147,7 @@ class TunedLoop:
         from mtcommission.loop.model import diagram  # python-control takes a second
 
         if self.controller.follows:
-            return diagram.as_open_loop_model(self.loops[0].lifted)
+            return diagram.as_open_loop_model(as_state_space(self.loops[0]))
         return diagram.build_model(self.plant, self.controller, model=self.plant)
 
     @property
