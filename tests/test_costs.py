@@ -8,7 +8,7 @@ from math import pi
 import numpy as np
 import pytest
 
-from mtcommission.base.errors import ComputationError, Outcome
+from mtcommission.base.errors import ComputationError, InputError, Outcome
 from mtcommission.commission.recommend import recommend
 from mtcommission.limits.optima import find_time_optimum
 from mtcommission.loop.simulate import simulate_corners
@@ -18,6 +18,7 @@ from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.machine.moves import Positioning, VelocityStep, least_motion_time
 from mtcommission.machine.plant.modal import Modal
 from mtcommission.machine.plant.plant import Plant, build_plant
+from mtcommission.machine.profile.read import parse_profile
 from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.optimal.free import solve_time_optimal
 from mtcommission.setpoint.motion_limits import MotionLimits
@@ -107,12 +108,28 @@ def test_a_long_move_takes_no_more_instants_and_is_judged_alike():
         assert energies[1] == pytest.approx(energies[0], rel=0.01)
 
 
-def test_a_loop_that_keeps_thousands_of_setpoints_is_refused():
-    """A long delay at a short cycle took 1.1 GB."""
+SLOW_NOTCH = """
+force_filters = [{ kind = "notch", frequency = "0.1 Hz", damping = 0.06, width = 0.2 }]
+"""
+
+
+def test_a_setpoint_that_waits_for_thousands_of_cycles_is_refused_by_the_line():
+    """A filter of 0.1 Hz, where 100 Hz was meant, kept `check` busy for minutes."""
+    text = read_shipped("milling-manipulator").text.replace('"2 ms"', '"0.5 ms"')
+    with pytest.raises(InputError) as caught:
+        parse_profile(text + SLOW_NOTCH, where="late.toml")
+    place = f"late.toml:{len(text.splitlines()) + 2}: control.force_filters[1].frequency: "
+    assert place in str(caught.value)
+    assert "which is 896 position cycles of 500\u202fµs; must be at most 500" in str(caught.value)
+
+
+def test_a_long_wait_makes_no_larger_loop():
+    """What is kept of the setpoint was a state of the loop: 200 cycles took 37 times as long."""
     machine = gantry()
-    control = replace(
-        machine.control, reference_delay=0.1, position_cycle=125e-6, velocity_cycle=125e-6
+    waits = (
+        replace(machine, control=replace(machine.control, reference_delay=delay))
+        for delay in (20e-3, 0.4)
     )
-    with pytest.raises(ComputationError, match="would keep 800 setpoints") as caught:
-        tune_loop(replace(machine, control=control))
-    assert caught.value.outcome is Outcome.DELAY_TOO_LONG
+    short, long = (tune_loop(one).loops[0] for one in waits)
+    assert (short.kept, long.kept) == (20, 400)
+    assert short.states == long.states

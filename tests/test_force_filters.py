@@ -11,7 +11,7 @@ import pytest
 
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.controls.kinds import GENERIC
-from mtcommission.loop.model.controller import filter_delay, filter_polynomials
+from mtcommission.loop.model.controller import filter_polynomials
 from mtcommission.loop.tuning.family import LoopFamily, cascade_family, find_filters, tune_shape
 from mtcommission.loop.tuning.tuned import Shape, TunedLoop, close_loop, corner_plants
 from mtcommission.machine.control import ForceFilter
@@ -50,7 +50,7 @@ def test_width_and_damping_make_depth_and_delay():
 
     assert abs(response(item.natural_frequency)) == pytest.approx(0.06 / 0.2)
     slow = 1e-3 * item.natural_frequency
-    assert -np.angle(response(slow)) / slow == pytest.approx(filter_delay(item), rel=1e-5)
+    assert -np.angle(response(slow)) / slow == pytest.approx(item.delay, rel=1e-5)
 
 
 def test_found_filters_let_Kp_rise_with_the_margins_in_every_corner():

@@ -62,6 +62,7 @@ MACHINES = {
         paper_machine(), position_loop=PositionLoop.DRIVE, setpoint_filter=moving_average(7e-3)
     ),
     "no delay": quiet_copy(paper_machine(), reference_delay=0.0),
+    "long delay": quiet_copy(paper_machine(), reference_delay=83e-3),
     "four modes": random_modal_machine(7, n_modes=4),
     "open loop": read_shipped("printer-belt").machine,
 }

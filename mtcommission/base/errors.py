@@ -110,7 +110,6 @@ class Outcome(Enum):
     SCHEDULER_LOST = "outcome-scheduler-lost"
     STOPPED = "outcome-stopped"
     PRINTING_FAILED = "outcome-printing-failed"
-    DELAY_TOO_LONG = "outcome-delay-too-long"
 
 
 class ComputationError(MtcommissionError):

@@ -25,7 +25,7 @@ import numpy as np
 
 from mtcommission.base.messages.message import Message
 from mtcommission.controls.kind import MOVING_AVERAGE, Jerk
-from mtcommission.loop.model.controller import Controller, filter_delay
+from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine, corners, moving_mass, vary
 from mtcommission.machine.moves import Move, VelocityStep
@@ -224,7 +224,7 @@ def _servo_numbers(machine: Machine, plant: Plant, controller: Controller) -> Se
     masses = _masses_in_corners(machine)
     omega_v = controller.velocity_gain / max(masses)
     left = 1.0 - controller.jerk_feedforward
-    lag = controller.force_lag + sum(filter_delay(item) for item in controller.force_filters)
+    lag = controller.force_lag + sum(item.delay for item in controller.force_filters)
     seen = sum(m * abs(mode.measured_gain) / mode.natural_frequency**2 for mode in plant.modes)
     transient = max(
         LAG_SHARE * left * (2.0 - left) * lag**2, HOLD_SHARE * controller.position_cycle**2

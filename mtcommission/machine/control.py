@@ -42,6 +42,10 @@ WHOLE_MULTIPLE = 1e-9
 
 MOST_FORCE_FILTERS = 8
 
+MOST_CYCLES_LATE = 500
+"""Position cycles by which the setpoint waits at most: the record holds four states for each of
+them (empirical: half a second at 1 ms)."""
+
 ROUNDED = 1.001
 """A ramp of one position cycle, with acceleration and jerk as rounded to what is typed."""
 
@@ -77,6 +81,12 @@ class ForceFilter:
         default=1.0,
     )
     """1 is the widest without overshoot. Without effect on a low-pass."""
+
+    @property
+    def delay(self) -> float:
+        """Delay at low frequencies [s]."""
+        over = self.damping if self.kind == LOW_PASS else self.width - self.damping
+        return 2.0 * over / self.natural_frequency
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

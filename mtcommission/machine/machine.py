@@ -23,7 +23,7 @@ from mtcommission.base.units.quantities import (
     AxisUnits,
 )
 from mtcommission.controls.kind import PositionLoop
-from mtcommission.machine.control import Control, Today
+from mtcommission.machine.control import MOST_CYCLES_LATE, Control, Today
 from mtcommission.machine.drive import DRIVES, Drive, PositionSource
 from mtcommission.machine.identified import Identification
 from mtcommission.machine.keys import EMPTY, Misfit, Table, keyed
@@ -203,6 +203,7 @@ class Machine:
                 "damping-spread-beyond-one", got=spread, largest=largest, allowed=allowed
             )
             yield "requirements.damping_spread", message
+        yield from self._waits_long()
         today, control = self.today, self.control
         if today and today.jerk and not control.kind.has_jerk_limit:
             what = Message("has-jerk")
@@ -212,6 +213,21 @@ class Machine:
                 today.setpoint_filter, control.kind, position_cycle=control.position_cycle
             ):
                 yield f"today.setpoint_filter.{key}", message
+
+    def _waits_long(self) -> Iterator[Misfit]:
+        """What makes the setpoint wait for more position cycles than a control keeps."""
+        control, cycle = self.control, self.control.position_cycle
+        delays = {"drive.force_lag": self.drive.force_lag}
+        for place, item in enumerate(control.force_filters):
+            delays[f"control.force_filters.{place}.frequency"] = item.delay
+        if control.reference_delay is not None:
+            delays = {"control.reference_delay": control.reference_delay}
+        delay, most = sum(delays.values()), MOST_CYCLES_LATE
+        if delay > most * cycle:
+            longest = max(delays, key=lambda key: delays[key])
+            cycles = delay / cycle
+            message = Message("waits-long", delay=delay, cycles=cycles, cycle=cycle, most=most)
+            yield longest, message
 
 
 WITHOUT_LOOP = {

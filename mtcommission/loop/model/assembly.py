@@ -23,8 +23,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
-from mtcommission.base.errors import ComputationError, Outcome
-from mtcommission.base.messages.message import Message
 from mtcommission.controls.kind import PositionLoop
 from mtcommission.loop.model.controller import Controller, filter_polynomials, reference_state
 from mtcommission.machine.control import ForceFilter
@@ -33,9 +31,6 @@ from mtcommission.machine.plant.plant import Plant
 Array = NDArray[np.float64]
 
 INPUTS = ("x_ref", "v_ref", "a_ref", "j_ref")
-
-MOST_KEPT = 500
-"""Setpoints that the loop keeps at most: each is four of its states (empirical)."""
 
 
 @lru_cache(maxsize=64)
@@ -166,17 +161,8 @@ class HandedDown:
 
 
 def hand_down(controller: Controller, model: Plant) -> HandedDown:
-    """Return what the position cycle hands down; ``model``: as in ``build_loop``.
-
-    Raises
-    ------
-    ComputationError
-        DELAY_TOO_LONG where the loop would keep more than ``MOST_KEPT`` setpoints.
-    """
+    """Return what the position cycle hands down; ``model``: as in ``build_loop``."""
     kept, T_p, m = kept_samples(controller), controller.position_cycle, controller.feedforward_mass
-    if kept > MOST_KEPT:
-        detail = Message("loop-keeps-many", kept=kept, cycle=T_p, most=MOST_KEPT)
-        raise ComputationError(Outcome.DELAY_TOO_LONG, detail)
 
     def ago(delay: float) -> Array:
         return delay_weights(delay, cycle=T_p, delays=kept)

@@ -84,7 +84,7 @@ class Controller:
         low-frequency delay of the filters.
         """
         lag = (1.0 - self.jerk_feedforward) * self.force_lag
-        filters = sum(filter_delay(item) for item in self.force_filters)
+        filters = sum(item.delay for item in self.force_filters)
         return self.handing_down_delay + 1.5 * self.velocity_cycle + lag + filters
 
     @property
@@ -120,7 +120,7 @@ class PathDelay:
 def list_delays(controller: Controller) -> list[PathDelay]:
     """Return which path carries which dead time."""
     T_p, T_v = controller.position_cycle, controller.velocity_cycle
-    filters = sum(filter_delay(item) for item in controller.force_filters)
+    filters = sum(item.delay for item in controller.force_filters)
     left = (1.0 - controller.jerk_feedforward) * controller.force_lag
     held, half = 0.5 * (T_p - T_v), 0.5 * T_v
     # Interpolation between two setpoints waits for the second one.
@@ -150,14 +150,6 @@ def list_delays(controller: Controller) -> list[PathDelay]:
         )
         for path, (age, dead, hold, lag) in paths.items()
     ]
-
-
-def filter_delay(item: ForceFilter) -> float:
-    """Return the low-frequency delay of a set-force filter [s]."""
-    zeta, omega = item.damping, item.natural_frequency
-    if item.kind == LOW_PASS:
-        return 2.0 * zeta / omega
-    return 2.0 * (item.width - zeta) / omega
 
 
 def filter_polynomials(item: ForceFilter) -> tuple[Array, Array]:

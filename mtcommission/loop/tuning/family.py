@@ -38,7 +38,7 @@ from mtcommission.loop.tuning.tuned import (
     close_loop,
     corner_plants,
 )
-from mtcommission.machine.control import ForceFilter, StateFeedback
+from mtcommission.machine.control import MOST_CYCLES_LATE, ForceFilter, StateFeedback
 from mtcommission.machine.machine import Machine
 
 Array = NDArray[np.float64]
@@ -224,6 +224,8 @@ def find_filters(family: LoopFamily, shape: Shape) -> tuple[LoopFamily, TunedLoo
 
 
 def _sketch(family: LoopFamily, shape: Shape, filters: tuple[ForceFilter, ...]) -> _Sketch | None:
+    if sum(item.delay for item in filters) > MOST_CYCLES_LATE * family.base.position_cycle:
+        return None
     changed = with_filters(family, filters)
     fraction = tune_on_grid(changed, shape, largest=TUNING.largest_fraction)
     if fraction is None:

@@ -28,7 +28,7 @@ from mtcommission.base.messages.message import Message
 from mtcommission.controls.kind import PositionLoop
 from mtcommission.controls.row import round_number
 from mtcommission.loop.model.assembly import discretise
-from mtcommission.loop.model.controller import Controller, Observer, filter_delay
+from mtcommission.loop.model.controller import Controller, Observer
 from mtcommission.loop.tuning.tuned import CLASSIC, TUNING, Shape
 from mtcommission.machine.machine import Machine, mid_payload, moving_mass
 from mtcommission.machine.plant.plant import Plant, PlantMode
@@ -87,7 +87,7 @@ def symmetrical_optimum(machine: Machine) -> float:
     """
     given = machine.control
     delay = machine.drive.force_lag + 2.0 * given.velocity_cycle
-    delay += sum(filter_delay(item) for item in given.force_filters)
+    delay += sum(item.delay for item in given.force_filters)
     return believed_mass(machine) / (2.0 * delay)
 
 

@@ -31,7 +31,6 @@ outcome-worker-lost = Prozess verloren: { $detail }: Prozesse der Reihenrechnung
 outcome-scheduler-lost = Scheduler verloren: { $detail }: ihn und seine Prozesse neu starten und mit --resume fortsetzen
 outcome-stopped = angehalten: { $detail }: die Reihenrechnung wurde unterbrochen; mit --resume fortsetzen
 outcome-printing-failed = Druck gescheitert: { $detail }: das PDF konnte nicht gesetzt werden; --no-pdf verwenden und die Meldung einsenden
-outcome-delay-too-long = Verzögerung zu lang: { $detail }: eine kürzere reference_delay oder einen längeren position_cycle angeben
 
 # what another program says, in its own words
 foreign = { $text }

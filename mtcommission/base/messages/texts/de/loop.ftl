@@ -45,5 +45,4 @@ loop-observer-failed = Beobachter: { $error }
 loop-gains-failed = Verstärkungen: { $error }
 
 loop-motor-follows = kein Regelkreis einzustellen: der Motor folgt dem Sollwert, um { TIME($delay) } verspätet, so lange wie zwei Sollwerte brauchen; beurteilt wird die Beschleunigung des gefilterten Sollwerts, sie ist die des Motors
-loop-keeps-many = der Regelkreis müsste { ROUND($kept, digits: 3) } Sollwerte von je { TIME($cycle) } behalten, höchstens { ROUND($most, digits: 2) } werden behalten
 move-of-many-cycles = eine Bewegung von { PLAIN($time) } s sind { ROUND($cycles, digits: 3) } Geschwindigkeitsreglertakte von { TIME($cycle) }, verfolgt werden höchstens { ROUND($most, digits: 3) }

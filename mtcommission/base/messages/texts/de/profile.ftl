@@ -71,6 +71,7 @@ filter-taps-sum = die Summe der Koeffizienten ist { PLAIN($sum, digits: 6) } und
 filter-without-end = { $got } angegeben: hinter einem solchen Filter endet ein Sollwert nie, daher ließe sich weder eine Einschwingzeit noch ein Beweis für jede Größe der Bewegung angeben; eine andere Art wählen, oder "none" mit ausgeschaltetem Filter in der Steuerung
 control-with-fewer-filters = { $got } Filter angegeben; kind = "{ $control }" hat { $most } im Momentensollwert; nicht mehr angeben
 delay-below-drive = { $got } angegeben; ein Antrieb, der den Lageregelkreis schließt, kennt keinen neueren Sollwert als den vor zwei Lagereglertakten: mindestens { PLAIN($least, digits: 6) } s schreiben oder den Schlüssel weglassen
+waits-long = lässt den Sollwert { TIME($delay) } warten, das sind { ROUND($cycles, digits: 3) } Lagereglertakte von { TIME($cycle) }; höchstens { $most } sind erlaubt: Einheit prüfen oder einen längeren control.position_cycle angeben
 
 # Motor folgt dem Sollwert. $drive: Art des Antriebs, zu der der Schlüssel gehört
 key-of-other-drive = gehört zu drive.kind = "{ $drive }"; entfernen, oder diese Art von Antrieb angeben

@@ -22,7 +22,6 @@ outcome-worker-lost = worker lost: { $detail }: processes of the sweep ended aga
 outcome-scheduler-lost = scheduler lost: { $detail }: start it and its workers again, and continue with --resume
 outcome-stopped = stopped: { $detail }: the sweep was interrupted; continue with --resume
 outcome-printing-failed = printing failed: { $detail }: the PDF could not be set; use --no-pdf and report the message
-outcome-delay-too-long = delay too long: { $detail }: state a shorter reference_delay or a longer position_cycle
 
 # what another program says, in its own words
 foreign = { $text }

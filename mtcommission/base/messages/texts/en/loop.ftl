@@ -62,5 +62,4 @@ loop-observer-failed = observer: { $error }
 loop-gains-failed = gains: { $error }
 
 loop-motor-follows = no loop to tune: the motor follows its setpoint, { TIME($delay) } late, which is what two setpoints take; the acceleration judged is that of the setpoint behind its filter, which is the motor's own
-loop-keeps-many = the loop would keep { ROUND($kept, digits: 3) } setpoints of { TIME($cycle) } each, at most { ROUND($most, digits: 2) } are kept
 move-of-many-cycles = a move of { PLAIN($time) } s is { ROUND($cycles, digits: 3) } velocity cycles of { TIME($cycle) }, followed are { ROUND($most, digits: 3) } at most

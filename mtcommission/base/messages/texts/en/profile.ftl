@@ -84,6 +84,7 @@ filter-taps-sum = got taps whose sum is { PLAIN($sum, digits: 6) }, must be 1, o
 filter-without-end = got { $got }: behind such a filter a setpoint never ends, so no time of settling and no proof for every size of move could be stated; choose another kind, or "none" with the filter off in the control
 control-with-fewer-filters = got { $got } filters; kind = "{ $control }" has { $most } in the torque setpoint; write no more
 delay-below-drive = got { $got }; a drive that closes the position loop knows no newer setpoint than that of two position cycles ago: write at least { PLAIN($least, digits: 6) } s, or leave the key out
+waits-long = makes the setpoint wait { TIME($delay) }, which is { ROUND($cycles, digits: 3) } position cycles of { TIME($cycle) }; must be at most { $most } of them: check the unit, or state a longer control.position_cycle
 
 # A motor that follows its setpoint. $drive: the kind of drive to which the key belongs
 key-of-other-drive = belongs to drive.kind = "{ $drive }"; remove it, or state that kind of drive
