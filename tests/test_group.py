@@ -15,12 +15,13 @@ from mtcommission.controls.control import Corner, CornerRule
 from mtcommission.group.contours import (
     Turning,
     corner_deviation,
+    deviate,
     speeds_at_once,
     tell_corner,
     turnings,
     worst_circle,
 )
-from mtcommission.group.follow import follow
+from mtcommission.group.follow import filter_response, follow
 from mtcommission.group.group import join
 from mtcommission.group.judged import (
     circle_test,
@@ -34,6 +35,7 @@ from mtcommission.group.task import Task, read_task
 from mtcommission.loop.disturbance import simulate_disturbance
 from mtcommission.machine.moves import Positioning
 from mtcommission.machine.profile.read import parse_profile, read_source
+from mtcommission.machine.setpoint_filter import moving_average
 from mtcommission.record.read_back import close_as_held
 from tests.group_record import PROFILES, driven, mill
 from tests.independent_circle import circle_off, corner_off, entry_off, line_off
@@ -67,6 +69,14 @@ WITHOUT_CONTOUR = ('contour_deviation = "20 um"\ncontour_feed = "6 m/min"\n', ""
 
 
 # Closed forms
+
+
+def test_an_average_makes_circles_smaller_by_its_square():
+    feed, radius, T = 0.1, 0.01, 0.016
+    omega = np.array([feed / radius])
+    same = filter_response(moving_average(T), omega)
+    off = radius * deviate(same, same).radius[0]
+    assert off == pytest.approx(-(feed**2) * T**2 / (24.0 * radius), rel=2e-3)
 
 
 @pytest.mark.parametrize("degrees", [45.0, 135.0])
