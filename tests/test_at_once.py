@@ -28,7 +28,6 @@ from mtcommission.record.optima import optimum_entry
 from mtcommission.record.shape import to_plain
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint
-from tests.conftest import Run
 
 HEAD = """schema = 1
 [machine]
@@ -102,14 +101,14 @@ def is_proved(found: TimeOptimum) -> bool:
 
 
 @pytest.mark.parametrize(("distance", "a", "f"), [(1e-3, 20.0, 40.0), (2e-4, 3.0, 90.0)])
-def test_one_undamped_mode_in_closed_form(distance: float, a: float, f: float) -> None:
+def test_one_undamped_mode_in_closed_form(distance, a, f):
     """Antisymmetric about the middle: 2 cos wb = 1 + cos wh, h^2 - 2 b^2 = L/a, t_f = 2 h.
 
     The sine moment about the middle and the way, for switches at the middle and b about it.
     """
     omega = 2.0 * pi * f
 
-    def inner(h: float) -> float:
+    def inner(h):
         return acos(0.5 * (1.0 + cos(omega * h))) / omega
 
     h = brentq(
@@ -128,7 +127,7 @@ def test_one_undamped_mode_in_closed_form(distance: float, a: float, f: float) -
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_random_axes_are_proved_and_end_at_rest(seed: int) -> None:
+def test_random_axes_are_proved_and_end_at_rest(seed):
     """Else the least time on the sheet is not that of the axis, or leaves it swinging."""
     machine, modes, a = random_axis(seed)
     plant = build_plant(machine)
@@ -147,7 +146,7 @@ def test_random_axes_are_proved_and_end_at_rest(seed: int) -> None:
         assert max(swing[1::2]) < 1e-8 * largest
 
 
-def test_a_bound_on_the_acceleration_is_a_lower_limit() -> None:
+def test_a_bound_on_the_acceleration_is_a_lower_limit():
     """Else bounding F as a peak ends in an error, or is not kept."""
     machine = axis([(45.0, 0.05, 1.0)], 20.0)
     plant, move = build_plant(machine), machine.moves[0]
@@ -163,7 +162,7 @@ def test_a_bound_on_the_acceleration_is_a_lower_limit() -> None:
 @pytest.mark.parametrize(
     "move", [Positioning(distance=0.004), VelocityStep(velocity_step=0.1)], ids=["rest", "step"]
 )
-def test_damping_optimum_is_that_of_a_grid(move: Positioning | VelocityStep) -> None:
+def test_damping_optimum_is_that_of_a_grid(move):
     """Exact arcs and a transcription know nothing of each other."""
     machine, _, a = random_axis(5)
     plant = build_plant(machine)
@@ -184,7 +183,7 @@ def test_damping_optimum_is_that_of_a_grid(move: Positioning | VelocityStep) -> 
         json.dumps(entry, allow_nan=False)
 
 
-def test_band_is_reached_before_exact_rest() -> None:
+def test_band_is_reached_before_exact_rest():
     """With its own proof; a band of nothing is exact rest."""
     machine, _, a = random_axis(2)
     moved, move = driven_at_once(build_plant(machine)), Positioning(distance=0.01)
@@ -198,7 +197,7 @@ def test_band_is_reached_before_exact_rest() -> None:
     assert times[1] == pytest.approx(at_rest, rel=1e-4)
 
 
-def test_a_weight_of_the_acceleration_is_refused_with_the_way_out() -> None:
+def test_a_weight_of_the_acceleration_is_refused_with_the_way_out():
     more = "[damping_optimal]\nweights = { q_m0 = 1e9, F = 2.0 }\n"
     with pytest.raises(InputError) as caught:
         axis([(45.0, 0.05, 1.0)], 20.0, more)
@@ -219,7 +218,7 @@ def solved(machine: Machine, move: Move, *, a: float, jerk: float) -> TimeOptimu
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_random_axes_are_proved_and_integrate_to_rest(seed: int) -> None:
+def test_random_axes_are_proved_and_integrate_to_rest(seed):
     """Second program: x, v, a and every mode integrated from the sampled jerk of each arc."""
     machine, modes, a = random_axis(seed)
     jerk = a * 2.0 * pi * modes[0][0] * (0.3, 1.0, 4.0)[seed % 3]
@@ -238,7 +237,7 @@ def test_random_axes_are_proved_and_integrate_to_rest(seed: int) -> None:
     assert np.abs(tips[1::2]).max() < 1e-6 * a / omega
 
 
-def test_a_large_jerk_leads_to_the_acceleration_that_jumps() -> None:
+def test_a_large_jerk_leads_to_the_acceleration_that_jumps():
     """More jerk never takes more time, and without its limit the other solver's time is reached."""
     machine = axis(ONE_MODE, 20.0)
     move = machine.moves[0]
@@ -248,7 +247,7 @@ def test_a_large_jerk_leads_to_the_acceleration_that_jumps() -> None:
     assert least < times[-1] < 1.005 * least
 
 
-def test_a_stiff_structure_leaves_the_setpoint_of_the_planner() -> None:
+def test_a_stiff_structure_leaves_the_setpoint_of_the_planner():
     """Where nothing swings the least time is that of Ruckig, which knows the rigid axis alone."""
     machine = axis([(2500.0, 0.1, 1.0)], 20.0)
     move = machine.moves[0]
@@ -258,7 +257,7 @@ def test_a_stiff_structure_leaves_the_setpoint_of_the_planner() -> None:
     assert found.t_f == pytest.approx(rigid, rel=1e-3)
 
 
-def test_other_bounds_hold_besides() -> None:
+def test_other_bounds_hold_besides():
     """A bound on the velocity is the max_velocity of a move; both, and that of F, hold together."""
     machine = axis(ONE_MODE, 20.0)
     plant = build_plant(machine)
@@ -272,10 +271,8 @@ def test_other_bounds_hold_besides() -> None:
     assert bounded.force_limit == 20.0
 
 
-def test_command_line_says_the_limit_and_where_it_belongs(
-    run: Run,
-) -> None:
-    def call(profile: str, *more: str) -> tuple[int, str]:
+def test_command_line_says_the_limit_and_where_it_belongs(run):
+    def call(profile, *more):
         code, out, error = run("optimal", PROFILES / profile, "--kind", "time", *more)
         return code, (out + error).replace("\u202f", " ")
 

@@ -61,7 +61,7 @@ def follow(machine: Machine, force: BandForce, *, after: float) -> tuple[float, 
     return worst, fastest
 
 
-def test_papers_step_with_the_band_of_5_um() -> None:
+def test_papers_step_with_the_band_of_5_um():
     """42.018 ms, found by an LP in scipy before; a page would promise a wrong least time."""
     machine = paper_machine()
     rest, found = optimum_of(machine, VelocityStep(velocity_step=0.1), band=5e-6)
@@ -74,9 +74,7 @@ def test_papers_step_with_the_band_of_5_um() -> None:
 
 @pytest.mark.parametrize("seed", [1, 7])
 @pytest.mark.parametrize("move", ["step", "free", "limited"])
-def test_band_force_and_velocity_are_kept_when_somebody_else_integrates(
-    seed: int, move: str
-) -> None:
+def test_band_force_and_velocity_are_kept_when_somebody_else_integrates(seed, move):
     machine = random_modal_machine(seed, n_modes=1 + seed % 3)
     a = machine.drive.motion_force / build_plant(machine).moving_mass
     moves: dict[str, Move] = {
@@ -95,7 +93,7 @@ def test_band_force_and_velocity_are_kept_when_somebody_else_integrates(
     assert fastest <= limit
 
 
-def test_a_wider_band_never_takes_longer_and_a_narrow_one_is_exact_rest() -> None:
+def test_a_wider_band_never_takes_longer_and_a_narrow_one_is_exact_rest():
     machine, move = paper_machine(), VelocityStep(velocity_step=0.1)
     found = [optimum_of(machine, move, band=band) for band in (1e-9, 5e-6, 1e-4)]
     assert found[0][1].t_f == pytest.approx(found[0][0], rel=1e-4)
@@ -103,7 +101,7 @@ def test_a_wider_band_never_takes_longer_and_a_narrow_one_is_exact_rest() -> Non
         assert later.lower_bound < earlier.t_f
 
 
-def test_robust_force_keeps_the_band_on_machines_that_it_never_saw() -> None:
+def test_robust_force_keeps_the_band_on_machines_that_it_never_saw():
     """Frequencies and damping ratios drawn from the spread, integrated by matrix exponentials."""
     machine = read_shipped("honing-z").machine
     move = machine.moves[-1]
@@ -137,9 +135,7 @@ def test_robust_force_keeps_the_band_on_machines_that_it_never_saw() -> None:
         ("printer-belt", Positioning(distance=1.0, max_velocity=0.2), 2e-5, "band-saves-nothing"),
     ],
 )
-def test_where_a_band_has_no_optimum_that_is_said(
-    name: str, move: Positioning, band: float, said: str
-) -> None:
+def test_where_a_band_has_no_optimum_that_is_said(name, move, band, said):
     machine = read_shipped(name).machine
     needs = replace(machine.requirements, tcp_deviation=band)
     machine = replace(machine, moves=(move,), requirements=needs)

@@ -62,9 +62,7 @@ def final_adjoint(problem: MomentProblem, control: Control) -> np.ndarray:
     size=st.sampled_from([1e-6, 1e-3, 0.1, 3.0]),
     move=st.sampled_from([STEP, POSITIONING]),
 )
-def test_any_multipliers_prove_no_more_than_the_optimum(
-    noise: list[float], size: float, move: Move
-) -> None:
+def test_any_multipliers_prove_no_more_than_the_optimum(noise, size, move):
     # A bound above t_f would refute a control that exists.
     problem, control = solved(move)
     factors = 1.0 + size * np.array(noise[: problem.size])
@@ -72,7 +70,7 @@ def test_any_multipliers_prove_no_more_than_the_optimum(
     assert proved(problem, weights, near=control.horizon).horizon <= control.horizon
 
 
-def test_no_multipliers_prove_the_rigid_bound() -> None:
+def test_no_multipliers_prove_the_rigid_bound():
     # c = 0: m Δv / F_max for a velocity step, sqrt(2 m L / F_max) for positioning.
     for move, expected in ((STEP, 0.0375), (POSITIONING, np.sqrt(2.0 * 750.0 * 0.02 / FORCE))):
         problem = moment_problem(PAPER, move)
@@ -83,7 +81,7 @@ def test_no_multipliers_prove_the_rigid_bound() -> None:
 
 
 @pytest.mark.parametrize("move", [STEP, POSITIONING])
-def test_hamiltonian_vanishes_along_the_whole_move(move: Move) -> None:
+def test_hamiltonian_vanishes_along_the_whole_move(move):
     problem, control = solved(move)
     optimum = solve_time_optimal(PAPER, move, force_limit=FORCE)
     end = final_adjoint(problem, control)
@@ -93,7 +91,7 @@ def test_hamiltonian_vanishes_along_the_whole_move(move: Move) -> None:
         assert 1.0 + row @ (PAPER.A @ x + PAPER.B * force) == pytest.approx(0.0, abs=1e-9)
 
 
-def test_wrong_claims_are_refused() -> None:
+def test_wrong_claims_are_refused():
     problem, control = solved(STEP)
     motion, weights = motion_of(problem, control), control.weights
     assert certified(motion, weights).switching_law_holds
@@ -108,7 +106,7 @@ def test_wrong_claims_are_refused() -> None:
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_no_sign_change_is_missed(seed: int) -> None:
+def test_no_sign_change_is_missed(seed):
     plant = build_plant(random_modal_machine(seed, n_modes=1 + seed % 4))
     problem = moment_problem(plant, STEP if seed % 2 else POSITIONING)
     generator = np.random.default_rng(seed)
@@ -125,7 +123,7 @@ def test_no_sign_change_is_missed(seed: int) -> None:
 
 @pytest.mark.parametrize("offset", [0.0101, 0.0157])
 @pytest.mark.parametrize("depth", [1e-4, 1e-8, 1e-12])
-def test_pair_of_zeros_between_mesh_nodes_is_found(depth: float, offset: float) -> None:
+def test_pair_of_zeros_between_mesh_nodes_is_found(depth, offset):
     # 1 - (1 + depth) cos ω(τ - τ0) dips below 0 for 2 sqrt(2 depth) / ω around each maximum.
     omega = 300.0
     problem = MomentProblem(rates=np.array([1j * omega, -1e5]), degree=0, target=1.0)

@@ -78,7 +78,7 @@ def check_motion(plant: Plant, optimum: TimeOptimum) -> None:
     assert_allclose(np.abs(path.states @ rows.T).max(axis=0), optimum.peaks, rtol=1e-4)
 
 
-def test_christiansen_maurer_zirn_sec_5_2_bound_on_v_phi() -> None:
+def test_christiansen_maurer_zirn_sec_5_2_bound_on_v_phi():
     optimum = paper_optimum(bound("v_phi", 0.005))
     assert round(optimum.t_f, 4) == 0.0523  # the paper prints 0.0522, found on a grid
     assert 1.20 < optimum.t_f / 0.043520364 < 1.21
@@ -94,7 +94,7 @@ def test_christiansen_maurer_zirn_sec_5_2_bound_on_v_phi() -> None:
     ("name", "value"),
     [("v_phi", 7e-4), ("F", 1500.0), ("v_b", 0.002)],
 )
-def test_bounds_of_order_one_and_two_are_solved_exactly(name: str, value: float) -> None:
+def test_bounds_of_order_one_and_two_are_solved_exactly(name, value):
     optimum = paper_optimum(bound(name, value))
     assert optimum.certificate.relative_gap < 1e-10
     assert optimum.certificate.switching_law_holds
@@ -102,7 +102,7 @@ def test_bounds_of_order_one_and_two_are_solved_exactly(name: str, value: float)
 
 
 @pytest.mark.parametrize(("name", "value", "gap"), [("phi", 5e-5, 1e-6), ("phi", 1e-5, 5e-4)])
-def test_bound_of_order_three_is_enclosed(name: str, value: float, gap: float) -> None:
+def test_bound_of_order_three_is_enclosed(name, value, gap):
     """No finite sequence of arcs is optimal here; the gap says how much the mesh leaves."""
     optimum = paper_optimum(bound(name, value))
     assert optimum.certificate.relative_gap <= gap
@@ -117,9 +117,7 @@ def test_bound_of_order_three_is_enclosed(name: str, value: float, gap: float) -
         (Positioning(distance=0.05, max_velocity=0.1), 100.0),
     ],
 )
-def test_tight_bound_on_the_force_is_solved_and_beats_a_lower_force_limit(
-    move: VelocityStep | Positioning, value: float
-) -> None:
+def test_tight_bound_on_the_force_is_solved_and_beats_a_lower_force_limit(move, value):
     """The force may be asked for beyond what it may become: a lower limit is slower."""
     plant, bounds = paper_plant(), bound("F", value)
     optimum = paper_optimum(bounds, move)
@@ -130,12 +128,12 @@ def test_tight_bound_on_the_force_is_solved_and_beats_a_lower_force_limit(
     assert optimum.t_f < slow.t_f
 
 
-def test_tighter_bound_never_means_less_time() -> None:
+def test_tighter_bound_never_means_less_time():
     times = [paper_optimum(bound("v_phi", value)).t_f for value in (0.03, 0.02, 0.01, 0.005)]
     assert times == sorted(times)
 
 
-def test_scaling_force_step_and_bound_together_leaves_the_times() -> None:
+def test_scaling_force_step_and_bound_together_leaves_the_times():
     once = paper_optimum(bound("v_phi", 0.02))
     twice = solve_bounded_time_optimal(
         paper_plant(),
@@ -154,15 +152,13 @@ def test_scaling_force_step_and_bound_together_leaves_the_times() -> None:
         (Positioning(distance=0.02), "tcp", 0.019, "0.02"),
     ],
 )
-def test_impossible_bounds_are_named_with_the_least_possible(
-    move: VelocityStep | Positioning, name: str, value: float, least: str
-) -> None:
+def test_impossible_bounds_are_named_with_the_least_possible(move, name, value, least):
     with pytest.raises(ComputationError, match=least) as caught:
         paper_optimum(bound(name, value), move)
     assert caught.value.outcome is Outcome.BOUND_CANNOT_HOLD
 
 
-def test_least_travel_that_allows_a_velocity_step_is_named() -> None:
+def test_least_travel_that_allows_a_velocity_step_is_named():
     """A user told to widen a bound must learn by how much: at 0.1 % more there is a control.
 
     The axis backs off by X and speeds up over 2 X: rigid, X would be m v² / (4 F).
@@ -177,7 +173,7 @@ def test_least_travel_that_allows_a_velocity_step_is_named() -> None:
     check_motion(paper_plant(), paper_optimum(bound("x_s", 1.001 * least)))
 
 
-def test_bound_just_above_the_least_possible_is_met() -> None:
+def test_bound_just_above_the_least_possible_is_met():
     """First cells are too long there: they called the bound impossible, or took thrice the time."""
     for value in (9.864e-4, 9.866e-4):
         optimum = paper_optimum(bound("x_s", value))
@@ -189,7 +185,7 @@ def test_bound_just_above_the_least_possible_is_met() -> None:
 @pytest.mark.parametrize(
     "name", ["ball-screw", "mill-x", "mill-y", "rack-gantry", "rotary-table", "honing-z"]
 )
-def test_optimum_under_max_velocity_is_exact_on_shipped_machines(name: str) -> None:
+def test_optimum_under_max_velocity_is_exact_on_shipped_machines(name):
     """Otherwise the screen lists some hundred arcs that stand for a dozen."""
     machine = read_shipped(name).machine
     found = solve_bounded_time_optimal(
@@ -214,7 +210,7 @@ def paper_problem(name: str, value: float) -> BoundedProblem:
     ],
     ids=["behind a lag", "jerk", "at once"],
 )
-def test_responses_agree_with_the_matrix_exponential(plant: Plant) -> None:
+def test_responses_agree_with_the_matrix_exponential(plant):
     """Every bound and every sign is read from these; the matrix exponential knows no modes."""
     size, joint = plant.order, np.zeros((plant.order + 1, plant.order + 1))
     joint[:size, :size], joint[:size, size] = plant.A, plant.B
@@ -226,7 +222,7 @@ def test_responses_agree_with_the_matrix_exponential(plant: Plant) -> None:
         assert_allclose(impulse_response(plant, at), flow[:size, :size] @ plant.B, rtol=1e-9)
 
 
-def test_a_long_boundary_arc_keeps_its_digits() -> None:
+def test_a_long_boundary_arc_keeps_its_digits():
     """Tight bounds were lost to this. Taylor steps with 64 bits of mantissa, one by one."""
     problem = paper_problem("v_phi", 7e-4)
     flow, scale = problem.limits[0].boundary_flow, problem.state_scale
@@ -254,7 +250,7 @@ def touching_extremal() -> tuple[BoundedProblem, Pieces]:
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_any_multipliers_give_a_bound_below_the_optimum(seed: int) -> None:
+def test_any_multipliers_give_a_bound_below_the_optimum(seed):
     problem, guess = touching_extremal()
     found = solve_sequence(problem, guess)
     generator = np.random.default_rng(seed)
@@ -271,7 +267,7 @@ def test_any_multipliers_give_a_bound_below_the_optimum(seed: int) -> None:
     assert weigh(problem, measure).lower_bound < found.measure.t_f
 
 
-def test_a_very_tight_bound_ends_with_a_named_outcome() -> None:
+def test_a_very_tight_bound_ends_with_a_named_outcome():
     # Otherwise the engineer reads "internal error", or what the simplex method says.
     with pytest.raises(ComputationError) as caught:
         paper_optimum(bound("phi", 5e-7))
@@ -287,7 +283,7 @@ def test_a_very_tight_bound_ends_with_a_named_outcome() -> None:
         (14, 1e-6),  # velocity, three modes: no sequence is recognised
     ],
 )
-def test_random_axes_with_less_usual_sequences(seed: int, gap: float) -> None:
+def test_random_axes_with_less_usual_sequences(seed, gap):
     judged = judge(*cases(1, first=seed))
     assert judged.outcome == "certified"
     assert judged.gap < gap
@@ -297,7 +293,7 @@ def test_random_axes_with_less_usual_sequences(seed: int, gap: float) -> None:
 # The reference of a move, where no sequence of arcs is recognised: kept, proved, and said.
 
 
-def test_reference_on_cells_says_how_far_from_the_optimum_it_can_be() -> None:
+def test_reference_on_cells_says_how_far_from_the_optimum_it_can_be():
     """A reader must see that the reference is not the optimum itself; somebody else integrates."""
     machine = random_machine(125)
     plant, move = build_plant(machine), machine.moves[0]

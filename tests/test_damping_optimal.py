@@ -55,7 +55,7 @@ def random_case(seed: int) -> tuple[Plant, Move, tuple[SignalValue, ...], float]
     ("move", "t_f"),
     [(STEP, 0.043525), (STEP, 0.0522), (STEP, 0.435), (Positioning(distance=0.02), 0.18)],
 )
-def test_cost_law_and_adjoint_when_integrated_again(move: Move, t_f: float) -> None:
+def test_cost_law_and_adjoint_when_integrated_again(move, t_f):
     # Along the whole motion, by collocation, with an adjoint that is not the solver's. If this
     # fails, cost or law on the sheet are not those of the control that is published.
     best = paper_optimum(move=move, t_f=t_f)
@@ -68,7 +68,7 @@ def test_cost_law_and_adjoint_when_integrated_again(move: Move, t_f: float) -> N
     assert np.all(worst <= 1e-9 * np.abs(best.certificate.adjoint_initial))
 
 
-def test_integrating_again_sees_a_control_that_is_not_optimal() -> None:
+def test_integrating_again_sees_a_control_that_is_not_optimal():
     # The saving that the gap leaves open must cover what the optimum really saves.
     plant, best = build_plant(paper_machine()), paper_optimum()
     other = solve_damping_optimal(
@@ -79,21 +79,21 @@ def test_integrating_again_sees_a_control_that_is_not_optimal() -> None:
     assert claimed.law > 1e-2
 
 
-def test_scaling_of_force_and_move() -> None:
+def test_scaling_of_force_and_move():
     best = paper_optimum()
     double = paper_optimum(move=VelocityStep(velocity_step=0.2), force_limit=4e3)
     assert double.cost == pytest.approx(4 * best.cost, rel=1e-10)
     assert [a.t_end for a in double.arcs] == pytest.approx([a.t_end for a in best.arcs], rel=1e-9)
 
 
-def test_more_time_and_more_force_never_cost_more() -> None:
+def test_more_time_and_more_force_never_cost_more():
     by_time = [paper_optimum(t_f=t_f).cost for t_f in (0.0437, 0.0522, 0.2)]
     assert all(later < sooner for sooner, later in pairwise(by_time))
     by_force = [paper_optimum(force_limit=F).cost for F in (1.8e3, 2e3, 1e4)]
     assert all(more <= less * (1 + 1e-12) for less, more in pairwise(by_force))
 
 
-def test_shorter_than_the_shortest_time_has_no_control() -> None:
+def test_shorter_than_the_shortest_time_has_no_control():
     # Who asks is told t_f,min by ``find_damping_optimum``; here nothing wrong may come out.
     with pytest.raises(ComputationError) as caught:
         paper_optimum(t_f=0.9999 * T_F_MIN)
@@ -101,7 +101,7 @@ def test_shorter_than_the_shortest_time_has_no_control() -> None:
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_random_machines_reach_the_target(seed: int) -> None:
+def test_random_machines_reach_the_target(seed):
     plant, move, weights, t_f = random_case(seed)
     free = solve_damping_optimal(plant, move, force_limit=1e12, t_f=t_f, weights=weights)
     wanted = max(
@@ -128,7 +128,7 @@ def paper_time_optimum() -> TimeOptimum:
     return solve_time_optimal(build_plant(paper_machine()), STEP, force_limit=2e3)
 
 
-def test_balance_along_the_time_optimum_gives_the_papers_weights() -> None:
+def test_balance_along_the_time_optimum_gives_the_papers_weights():
     # (17) is 1.3 % lower throughout; the common factor is what a grid of some hundred
     # intervals takes from the integral of F_set² where it blurs the switches
     weights = balanced_weights(build_plant(paper_machine()), paper_time_optimum())
@@ -137,7 +137,7 @@ def test_balance_along_the_time_optimum_gives_the_papers_weights() -> None:
     assert ratios == pytest.approx([1.0127, 1.0132, 1.0138, 1.0168], abs=1e-4)
 
 
-def test_long_slow_move_is_as_exact_as_a_short_one() -> None:
+def test_long_slow_move_is_as_exact_as_a_short_one():
     # Over thousands of oscillations errors must not pile up, from piece to piece or elsewhere.
     plant = build_plant(paper_machine())
     fastest = solve_time_optimal(plant, STEP, force_limit=6.0)

@@ -85,7 +85,7 @@ def check_of(checks: tuple[SizeCheck, ...], name: object) -> SizeCheck:
 
 @pytest.mark.parametrize("filter_name", FILTERS)
 @pytest.mark.parametrize("name", MACHINES)
-def test_no_size_leaves_more_than_is_bounded(name: str, filter_name: str) -> None:
+def test_no_size_leaves_more_than_is_bounded(name, filter_name):
     """A jog of a size that nobody looked at would shake the tool out of the band."""
     machine = MACHINES[name]
     tuned = tune_loop(machine)
@@ -112,9 +112,7 @@ def test_no_size_leaves_more_than_is_bounded(name: str, filter_name: str) -> Non
 @pytest.mark.parametrize(
     ("name", "average", "jerk_time"), [("honing-z", 0.032, 0.05), ("ball-screw", 0.0, 0.03)]
 )
-def test_ripple_within_a_position_cycle_counts_in_the_largest_force(
-    name: str, average: float, jerk_time: float
-) -> None:
+def test_ripple_within_a_position_cycle_counts_in_the_largest_force(name, average, jerk_time):
     """Limits that use all of the force were refused by the simulation: its top was missed."""
     machine = read_shipped(name).machine
     machine = replace(machine, requirements=replace(machine.requirements, every_size=False))
@@ -128,7 +126,7 @@ def test_ripple_within_a_position_cycle_counts_in_the_largest_force(
     assert found.value == pytest.approx(stepped, rel=1e-6)
 
 
-def test_nothing_on_a_grid_is_sooner() -> None:
+def test_nothing_on_a_grid_is_sooner():
     """Time would be given away at every move of the machine."""
     item = FILTERS["average"]
     machine = quiet_copy(MACHINES["velocity step"], setpoint_filter=item)
@@ -171,7 +169,7 @@ def judged(machine: Machine, tuned: TunedLoop, item: MoveSizes, index: int) -> f
 
 
 @pytest.mark.parametrize("average", [0.0, 0.0139])
-def test_every_size_is_what_the_simulation_says(average: float) -> None:
+def test_every_size_is_what_the_simulation_says(average):
     """If it failed, the sheet would promise limits for jogs that leave the band."""
     machine = two_moves()
     tuned = tune_loop(machine)

@@ -26,7 +26,6 @@ from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.setpoint.motion_limits import MotionLimits
 from tests import identify_files as made
 from tests import measured_example
-from tests.conftest import Run
 
 TRUE = read_shipped("modal-two-modes").text.replace('"38 Hz"', '"33.7 Hz"')
 """What nobody knows."""
@@ -81,8 +80,8 @@ def _judge(true: Machine, machine: Machine, tuned: TunedLoop, limits: MotionLimi
 
 
 def test_readme_s_example_is_what_its_program_makes_and_its_commands_run(
-    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    run, tmp_path, monkeypatch
+):
     root = Path(__file__).parent.parent
     example = root / "profiles" / "modal-two-modes.csv"
     assert example.stat().st_size < 60_000
@@ -112,7 +111,7 @@ def test_readme_s_example_is_what_its_program_makes_and_its_commands_run(
         assert abs(one.value - value) < 3.5 * one.sigma
 
 
-def test_limits_of_the_identified_axis_hold_on_the_true_one(run: Run, tmp_path: Path) -> None:
+def test_limits_of_the_identified_axis_hold_on_the_true_one(run, tmp_path):
     true = _complete(TRUE, force_lag=LAG)
     files = [
         _measure(tmp_path / f"{sensor}.csv", build_plant(true), sensor=sensor, seed=seed)

@@ -23,13 +23,13 @@ assert solve_program(program, steps=10).unknowns[0] == 2.0
 """
 
 
-def test_programs_are_solved_without_a_word() -> None:
+def test_programs_are_solved_without_a_word():
     """HiGHS 1.16 prints a banner for its first solver: `limits --json -` was no JSON any more."""
     done = subprocess.run([sys.executable, "-c", SOLVE], capture_output=True, check=True)
     assert (done.stdout, done.stderr) == (b"", b"")
 
 
-def test_program_from_a_known_basis_is_that_from_none() -> None:
+def test_program_from_a_known_basis_is_that_from_none():
     # Otherwise an exchange of points would end somewhere else than a program with all of them.
     generator = np.random.default_rng(11)
     rows, cost = generator.standard_normal((30, 12)), generator.standard_normal(12)

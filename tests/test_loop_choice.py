@@ -35,7 +35,7 @@ def chosen_cascade() -> LoopChoice:
     return settle_on_loop(cascade())
 
 
-def test_the_classic_loop_is_bettered_in_both_respects() -> None:
+def test_the_classic_loop_is_bettered_in_both_respects():
     """A second program found 6 to 9 % on this machine where Tn and Kv do not hang on Kp."""
     choice = chosen_cascade()
     machine = cascade()
@@ -52,7 +52,7 @@ def test_the_classic_loop_is_bettered_in_both_respects() -> None:
     assert used.tuned.keeps_margins
 
 
-def test_state_feedback_is_shown_beside_and_not_used() -> None:
+def test_state_feedback_is_shown_beside_and_not_used():
     """A control without it must not get its numbers; that the tool would be stiffer is said."""
     machine, choice = cascade(), chosen_cascade()
     shown = show_state_feedback(machine, choice)
@@ -64,7 +64,7 @@ def test_state_feedback_is_shown_beside_and_not_used() -> None:
     assert not shown.tuned.controller.state_gains.any()
 
 
-def test_state_feedback_that_brings_nothing_is_no_reason() -> None:
+def test_state_feedback_that_brings_nothing_is_no_reason():
     """Page 3 told of a controller that nobody has and that saves a tenth of a millisecond."""
     machine = read_shipped("ball-screw").machine
     choice = settle_on_loop(machine)
@@ -74,7 +74,7 @@ def test_state_feedback_that_brings_nothing_is_no_reason() -> None:
     assert shown.tuned.remarks[-1].kind == "state-feedback-would"
 
 
-def test_the_choice_changes_gradually_with_the_spread() -> None:
+def test_the_choice_changes_gradually_with_the_spread():
     """Between 0.1 and 0.2 % a loop fell out by the name of a pole.
 
     A look that misses a narrow valley at some spreads takes another loop: 82.7 ms, or 89.3 ms.

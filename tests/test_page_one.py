@@ -83,7 +83,7 @@ IN_WORDS = {
 
 
 @pytest.mark.parametrize("kind", CASES)
-def test_every_row_is_the_export_s(kind: str) -> None:
+def test_every_row_is_the_export_s(kind):
     """What stands in the export's file is held to a second reader by tests/test_export.py."""
     record = _record(kind)
     loaded = to_entry(record, Record)
@@ -102,9 +102,7 @@ def test_every_row_is_the_export_s(kind: str) -> None:
 
 @pytest.mark.parametrize("language", LANGUAGES)
 @pytest.mark.parametrize(("kind", "has_doubt"), [("sinumerik", True), ("klipper", False)])
-def test_a_mark_of_doubt_is_explained_where_it_stands(
-    kind: str, has_doubt: bool, language: str
-) -> None:
+def test_a_mark_of_doubt_is_explained_where_it_stands(kind, has_doubt, language):
     record = _record(kind)
     assert any("(?)" in row[-1] for row in _rows(record, language).values()) == has_doubt
     _, entries = _page_one(record, language)
@@ -112,7 +110,7 @@ def test_a_mark_of_doubt_is_explained_where_it_stands(
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
-def test_machining_modes_stand_on_page_1_as_in_the_export(language: str) -> None:
+def test_machining_modes_stand_on_page_1_as_in_the_export(language):
     """Three columns of limits; a mode without limits is said where the verdict is."""
     record = _record("sinumerik")
     rows = _rows(record, language)
@@ -125,7 +123,7 @@ def test_machining_modes_stand_on_page_1_as_in_the_export(language: str) -> None
             assert said in rows[name][-1]
 
 
-def test_the_verdict_of_page_1_is_that_of_the_export() -> None:
+def test_the_verdict_of_page_1_is_that_of_the_export():
     record, _ = run_of(SCREW)
     assert export_own(to_entry(record, Record)).meets_requirements
     assert _page_one(record)[0].verdict == "All requirements met"
@@ -142,7 +140,7 @@ def test_the_verdict_of_page_1_is_that_of_the_export() -> None:
     assert "REQUIREMENTS NOT MET: residual deviation" in head.detail
 
 
-def test_sinumerik_can_be_typed_in() -> None:
+def test_sinumerik_can_be_typed_in():
     """One value for each parameter, the filter on, the delay at one place, a cycle one can set."""
     rows = _rows(_record("sinumerik"), "en")
     assert rows["N32400 $MA_AX_JERK_ENABLE"][-2] == "1"
@@ -158,7 +156,7 @@ def test_sinumerik_can_be_typed_in() -> None:
     assert rows["N32431 $MA_MAX_AX_JERK[0]"][-1].endswith("unit (?)")
 
 
-def test_today_s_values_stand_beside_the_new_ones() -> None:
+def test_today_s_values_stand_beside_the_new_ones():
     today = '[today]\nacceleration = 2.5\njerk = 40\nposition_gain = "25 1/s"\n[control]'
     rows = _rows(_record("sinumerik", "[control]", today), "de")
     assert rows["N32300 $MA_MAX_AX_ACCEL[0]"][0] == "2,5\u202fm/s²"
@@ -166,7 +164,7 @@ def test_today_s_values_stand_beside_the_new_ones() -> None:
     assert rows["p1462"][0] == ""
 
 
-def test_a_record_whose_profile_was_edited_says_why_there_are_no_rows() -> None:
+def test_a_record_whose_profile_was_edited_says_why_there_are_no_rows():
     record = example_record()
     printed = print_html(record)
     assert "No values to type in here: " in printed
@@ -174,7 +172,7 @@ def test_a_record_whose_profile_was_edited_says_why_there_are_no_rows() -> None:
 
 
 @pytest.mark.parametrize("kind", ["klipper", "marlin"])
-def test_a_printer_has_one_acceleration_in_record_page_and_file(kind: str) -> None:
+def test_a_printer_has_one_acceleration_in_record_page_and_file(kind):
     """The axis of the model would take 50 m/s²: nobody types that, and nothing may promise it."""
     record = to_entry(run_of(CASES[kind])[0], Record)
     best, export, words = record.limits.recommended, export_own(record), Catalogue()
@@ -194,7 +192,7 @@ def test_a_printer_has_one_acceleration_in_record_page_and_file(kind: str) -> No
 
 
 @pytest.mark.parametrize(("own", "kind"), [("marlin", "klipper"), ("klipper", "marlin")])
-def test_another_printer_s_record_is_written_up_to_its_ceiling(own: str, kind: str) -> None:
+def test_another_printer_s_record_is_written_up_to_its_ceiling(own, kind):
     record = to_entry(_record(own, acceleration=50.3, jerk=2e5), Record)
     export = export_record(record, control=kind)
     assert export.limits.acceleration <= 20.0
@@ -202,7 +200,7 @@ def test_another_printer_s_record_is_written_up_to_its_ceiling(own: str, kind: s
     assert "PRACTICAL CEILING, assumed: 20000 mm/s^2" in header
 
 
-def test_marlin_gets_a_corner_that_it_takes() -> None:
+def test_marlin_gets_a_corner_that_it_takes():
     """M205 J below 0.01 mm is refused, and the old value stays (M200-M205.cpp)."""
     shaper = AVERAGE | {"kind": "marlin_zvd", "time": 0.0, "frequency_hz": 48.0,
                         "damping_ratio": 0.05}  # fmt: skip

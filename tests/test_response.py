@@ -23,7 +23,7 @@ STEP = VelocityStep(velocity_step=0.1, dwell=0.05)
 
 
 @pytest.fixture(scope="module")
-def tuned() -> TunedLoop:
+def tuned():
     return tune_loop(paper_machine())
 
 
@@ -34,9 +34,7 @@ def respond(tuned: TunedLoop, move: Move, a: float, t_j: float, drive: Drive) ->
 
 @pytest.mark.parametrize("move", [STEP, Positioning(distance=0.004, max_velocity=0.1, dwell=0.02)])
 @pytest.mark.parametrize(("a", "t_j"), [(1.2, 0.02), (0.2, 0.2), (2.6, 0.003)])
-def test_judgement_agrees_with_a_second_program(
-    tuned: TunedLoop, move: Move, a: float, t_j: float
-) -> None:
+def test_judgement_agrees_with_a_second_program(tuned, move, a, t_j):
     """The verdict would rest on other definitions than the sheet prints.
 
     2.6 m/s² saturates; 0.2 m/s² leaves so little that the axis is followed far to its peak.
@@ -57,7 +55,7 @@ def test_judgement_agrees_with_a_second_program(
         assert loaded.rms_force == pytest.approx(heat, rel=1e-3) or loaded.saturated
 
 
-def test_a_band_that_is_never_reached_is_not_settled(tuned: TunedLoop) -> None:
+def test_a_band_that_is_never_reached_is_not_settled(tuned):
     """Without velocity feed-forward the tool lags by a constant: a number would be a lie."""
     machine = paper_machine()
     lag = replace(machine, control=replace(machine.control, velocity_feedforward=0.9))
@@ -68,7 +66,7 @@ def test_a_band_that_is_never_reached_is_not_settled(tuned: TunedLoop) -> None:
     assert abs(response.deviation[-1]) == pytest.approx(0.1 * 0.1 / Kv, rel=1e-2)
 
 
-def test_amplitude_of_a_free_mode_is_its_largest_swing(tuned: TunedLoop) -> None:
+def test_amplitude_of_a_free_mode_is_its_largest_swing(tuned):
     """The sheet tells a slow servo tail from a vibration by this number."""
     response = respond(tuned, STEP, 1.4, 0.004, paper_machine().drive)
     plant = tuned.loops[0].plant
@@ -86,7 +84,7 @@ SLOW = MotionLimits(acceleration=1.12, jerk=2250.0)
 """Leave nearly the whole band, and a fourteenth of it ten seconds later."""
 
 
-def test_a_vibration_that_outlasts_the_horizon_within_the_band_is_settled() -> None:
+def test_a_vibration_that_outlasts_the_horizon_within_the_band_is_settled():
     """Limits that keep every requirement would be called "not settled" on a soft machine."""
     machine = slowly_decaying_machine()
     tuned, move, band = tune_loop(machine), machine.moves[0], machine.requirements.tcp_deviation
@@ -101,9 +99,7 @@ def test_a_vibration_that_outlasts_the_horizon_within_the_band_is_settled() -> N
 
 
 @pytest.mark.parametrize("band", [20e-6, 500e-6])
-def test_what_is_followed_no_further_is_judged_as_if_it_were(
-    band: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_is_followed_no_further_is_judged_as_if_it_were(band, monkeypatch):
     """A vibration of minutes would cost as long, or a swing that is yet to come be missed."""
     machine = slowly_decaying_machine()
     loop = tune_loop(machine).loops[0]

@@ -62,7 +62,7 @@ def demanding() -> Machine:
     ],
     ids=["demanding", "state feedback", "modal, filtered", "decays slowly"],
 )
-def test_all_at_once_are_judged_as_one_by_one(machine: Machine, a: float, j: float) -> None:
+def test_all_at_once_are_judged_as_one_by_one(machine, a, j):
     """If it failed, the ranges that are kept would be those of other machines."""
     needs = replace(machine.requirements, every_size=False)
     drive = replace(machine.drive, max_force=1e9)  # all at once nothing saturates
@@ -82,7 +82,7 @@ def test_all_at_once_are_judged_as_one_by_one(machine: Machine, a: float, j: flo
         assert missed[:, number].any(), check.name
 
 
-def test_frequency_error_names_the_range_that_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_frequency_error_names_the_range_that_is_kept(monkeypatch):
     """If it failed, the sheet would promise a margin of frequency that is not there."""
     machine = spread_paper_machine()
     machine = replace(machine, requirements=replace(machine.requirements, frequency_spread=0.0))
@@ -103,7 +103,7 @@ def test_frequency_error_names_the_range_that_is_kept(monkeypatch: pytest.Monkey
     assert not kept[factor > found.kept_to][:1].any()
 
 
-def test_damping_range_is_kept_and_not_beyond() -> None:
+def test_damping_range_is_kept_and_not_beyond():
     """If it failed, the sheet would promise limits on a machine that swings longer."""
     machine = spread_paper_machine()
     needs = replace(machine.requirements, frequency_spread=0.02, damping_spread=0.0)
@@ -118,7 +118,7 @@ def test_damping_range_is_kept_and_not_beyond() -> None:
         assert one.is_missed.any() != is_kept
 
 
-def test_limits_that_hang_on_an_exact_frequency_are_called_so() -> None:
+def test_limits_that_hang_on_an_exact_frequency_are_called_so():
     """Otherwise "all requirements met" would be read as true of a machine half a per cent off."""
     machine = paper_machine()
     kept = KeptRange(

@@ -58,12 +58,12 @@ def apply(machine: Machine) -> tuple[RuleResult, TunedLoop]:
 
 
 @pytest.mark.parametrize(("cycles", "damping"), [(0.3, 0.0), (1.0, 0.05), (2.1, 0.1)])
-def test_ramp_vibration_against_an_integrated_oscillator(cycles: float, damping: float) -> None:
+def test_ramp_vibration_against_an_integrated_oscillator(cycles, damping):
     """If it failed, the chart would promise a rest that does not come."""
     omega = 2 * pi * 40.0
     t_j = cycles * 2 * pi / omega
 
-    def rates(t: float, y: np.ndarray) -> list[float]:
+    def rates(t, y):
         push = min(t / t_j, 1.0)
         return [y[1], push * omega**2 - 2 * damping * omega * y[1] - omega**2 * y[0]]
 
@@ -78,7 +78,7 @@ def test_ramp_vibration_against_an_integrated_oscillator(cycles: float, damping:
 
 
 @pytest.mark.parametrize("seed", [0, 5, 16, 29])
-def test_rule_keeps_all_at_every_size_on_random_machines(seed: int) -> None:
+def test_rule_keeps_all_at_every_size_on_random_machines(seed):
     """If it failed, the sheet would print a rule that does not do what it is for."""
     machine = for_every_size(random_machine(seed))
     found, tuned = apply(machine)
@@ -89,7 +89,7 @@ def test_rule_keeps_all_at_every_size_on_random_machines(seed: int) -> None:
     assert candidate.settling_time == pytest.approx(found.predicted_settling_time, abs=1e-9)
 
 
-def test_a_wider_band_is_never_slower() -> None:
+def test_a_wider_band_is_never_slower():
     """If it failed, roughing limits could be lower than finishing limits."""
     machine = random_machine(12)
     times = []
@@ -99,7 +99,7 @@ def test_a_wider_band_is_never_slower() -> None:
     assert times == sorted(times, reverse=True)
 
 
-def test_what_the_rule_does_not_know_is_said() -> None:
+def test_what_the_rule_does_not_know_is_said():
     """If it failed, the sheet would print the rule where it was never tried."""
     machine = random_machine(3)
     assert not apply(machine)[0].warnings
@@ -125,7 +125,7 @@ def example_of_the_document(folder: Path) -> Machine:
     return read_profile(path)
 
 
-def test_the_example_by_hand_gives_what_the_program_gives(tmp_path: Path) -> None:
+def test_the_example_by_hand_gives_what_the_program_gives(tmp_path):
     """If it failed, an engineer with a pocket calculator would get other limits than the sheet."""
     found, tuned = apply(example_of_the_document(tmp_path))
     # Once more from the document's text alone, with its numbers.
@@ -149,7 +149,7 @@ def test_the_example_by_hand_gives_what_the_program_gives(tmp_path: Path) -> Non
         assert text in DOC.read_text(encoding="utf-8")
 
 
-def test_the_example_prints_what_is_simulated(tmp_path: Path) -> None:
+def test_the_example_prints_what_is_simulated(tmp_path):
     """If it failed, the document would promise figures that nobody finds again."""
     machine = example_of_the_document(tmp_path)
     found, tuned = apply(machine)
@@ -179,7 +179,7 @@ def test_the_example_prints_what_is_simulated(tmp_path: Path) -> None:
 # Each rule of thumb must be what its source states.
 
 
-def test_rules_on_the_papers_machine_by_hand() -> None:
+def test_rules_on_the_papers_machine_by_hand():
     machine = paper_machine()
     rules = {
         Catalogue().say(rule.name): rule.limits

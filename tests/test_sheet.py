@@ -104,12 +104,12 @@ class Page(HTMLParser):
 
 
 @pytest.fixture(scope="module")
-def pages() -> dict[str, str]:
+def pages():
     return {name: print_html(make()) for name, make in RECORDS.items()}
 
 
 @pytest.fixture(scope="module")
-def pdfs() -> dict[str, bytes]:
+def pdfs():
     return {name: print_pdf(make(), appendix=True) for name, make in RECORDS.items()}
 
 

@@ -124,11 +124,11 @@ def browse(html: str, folder: Path, script: str, *options: str) -> tuple[dict[st
 
 
 @pytest.fixture(scope="module")
-def page() -> str:
+def page():
     return print_html(five_moves_record())
 
 
-def test_the_page_works_offline_and_every_plot_zooms(page: str, tmp_path: Path) -> None:
+def test_the_page_works_offline_and_every_plot_zooms(page, tmp_path):
     """Read from disk, beside a machine without a network, by people who look closely."""
     found, console = browse(page, tmp_path, ZOOM)
     assert console == ""
@@ -144,7 +144,7 @@ def test_the_page_works_offline_and_every_plot_zooms(page: str, tmp_path: Path) 
     assert drive == vibration != other
 
 
-def test_a_fault_in_the_page_would_be_seen(page: str, tmp_path: Path) -> None:
+def test_a_fault_in_the_page_would_be_seen(page, tmp_path):
     """The test above would find nothing in a broken page either, if it could not look."""
     broken = page.replace("<main>", '<main><img src="https://example.org/x.png" alt="x">', 1)
     found, console = browse(broken, tmp_path, ZOOM)
@@ -174,7 +174,7 @@ addEventListener("load", () => {
 
 
 @pytest.mark.parametrize("width", [500, 1280])
-def test_nothing_is_cut_on_phone_and_desk(width: int, tmp_path: Path) -> None:
+def test_nothing_is_cut_on_phone_and_desk(width, tmp_path):
     """The values to enter are read at the machine, from whatever has a screen."""
     record = rotary_record()
     record["limits"]["recommended"]["jerk"] = 123456.0
@@ -191,7 +191,7 @@ def test_nothing_is_cut_on_phone_and_desk(width: int, tmp_path: Path) -> None:
     assert found["tall"] <= 0
 
 
-def test_nothing_is_cut_on_paper(tmp_path: Path) -> None:
+def test_nothing_is_cut_on_paper(tmp_path):
     """Paper does not scroll: the last columns of wide tables were cut off at its edge."""
     page, pdf = tmp_path / "page.html", tmp_path / "page.pdf"
     page.write_text(print_html(rotary_record(), language="de"), "utf-8")
@@ -229,7 +229,7 @@ addEventListener("load", () => axe.run(document).then(found => {
 
 
 @pytest.mark.skipif(not axe_file().exists(), reason="needs axe-core")
-def test_axe_finds_nothing_in_light_and_dark_and_can_find(page: str, tmp_path: Path) -> None:
+def test_axe_finds_nothing_in_light_and_dark_and_can_find(page, tmp_path):
     """People who cannot see the plots, or not the colours, sign sheets, too."""
     script = axe_file().read_text(encoding="utf-8") + AXE_RUN
     before = example_record()

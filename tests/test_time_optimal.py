@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from mtcommission.base.errors import ComputationError, Outcome
 from mtcommission.machine.mechanics import FlexibleMode
-from mtcommission.machine.moves import Move, Positioning, VelocityStep
+from mtcommission.machine.moves import Positioning, VelocityStep
 from mtcommission.machine.plant.modal import Modal
 from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.optimal.bang_bang import find_bang_bang
@@ -41,7 +41,7 @@ def relative_error(plant: Plant, optimum: TimeOptimum) -> float:
     return float(np.max(np.abs(missed) / optimum.peaks[: plant.order]))
 
 
-def test_paper_eq_12_switching_times() -> None:
+def test_paper_eq_12_switching_times():
     optimum = solve_time_optimal(PAPER, STEP, force_limit=2e3)
     ours = np.array([*optimum.switching_times, optimum.t_f])
     theirs = np.array([*PAPER_SWITCHING_TIMES, PAPER_T_F])
@@ -52,7 +52,7 @@ def test_paper_eq_12_switching_times() -> None:
 
 
 @pytest.mark.parametrize("force", [1252.655, 1294.5447])
-def test_arc_of_some_nanoseconds_is_found_and_certified(force: float) -> None:
+def test_arc_of_some_nanoseconds_is_found_and_certified(force):
     optimum = solve_time_optimal(PAPER, STEP, force_limit=force)
     shortest = np.diff([0.0, *optimum.switching_times, optimum.t_f]).min()
     assert 0.0 < shortest < 1e-7
@@ -61,7 +61,7 @@ def test_arc_of_some_nanoseconds_is_found_and_certified(force: float) -> None:
 
 
 @pytest.mark.parametrize("span", [1e-4, 3e-3, 0.05, 2.0])
-def test_rigid_axis_with_lag_has_the_closed_form(span: float) -> None:
+def test_rigid_axis_with_lag_has_the_closed_form(span):
     T = 2.5e-3
     problem = MomentProblem(rates=np.array([-1.0 / T], dtype=complex), degree=0, target=span)
     control = find_bang_bang(problem, span=span).control
@@ -70,7 +70,7 @@ def test_rigid_axis_with_lag_has_the_closed_form(span: float) -> None:
     assert control.zeros == pytest.approx([switch], rel=1e-12)
 
 
-def test_very_short_move_switches_at_the_zeros_of_the_chebyshev_polynomial() -> None:
+def test_very_short_move_switches_at_the_zeros_of_the_chebyshev_polynomial():
     # For t_f -> 0 the moment functions become polynomials, whose L1 extremal sign pattern is that
     # of the Chebyshev polynomial of the second kind (Korkin & Zolotarev 1873).
     deviations = []
@@ -86,7 +86,7 @@ def test_very_short_move_switches_at_the_zeros_of_the_chebyshev_polynomial() -> 
 @pytest.mark.parametrize("move", [STEP, Positioning(distance=0.02)])
 @pytest.mark.parametrize("n_modes", range(1, 9))
 @pytest.mark.parametrize("seed", [0, 3])
-def test_random_machines_are_certified(seed: int, n_modes: int, move: Move) -> None:
+def test_random_machines_are_certified(seed, n_modes, move):
     machine = random_modal_machine(seed, n_modes=n_modes)
     plant = build_plant(machine)
     force = machine.drive.max_force * 10.0 ** (seed - 1)
@@ -102,7 +102,7 @@ def test_random_machines_are_certified(seed: int, n_modes: int, move: Move) -> N
     )
 
 
-def test_slow_step_of_an_undamped_axis_needs_hundreds_of_switches() -> None:
+def test_slow_step_of_an_undamped_axis_needs_hundreds_of_switches():
     modes = tuple(
         FlexibleMode(name=f"{hertz:g} Hz", natural_frequency=2 * pi * hertz, damping_ratio=0.0,
                      tcp_gain=0.01)
@@ -123,14 +123,14 @@ def test_slow_step_of_an_undamped_axis_needs_hundreds_of_switches() -> None:
     more=st.floats(min_value=1e-6, max_value=1.0),
     move=st.sampled_from([STEP, Positioning(distance=0.01)]),
 )
-def test_more_force_never_needs_more_time(force: float, more: float, move: Move) -> None:
+def test_more_force_never_needs_more_time(force, more, move):
     slow = solve_time_optimal(PAPER, move, force_limit=force)
     fast = solve_time_optimal(PAPER, move, force_limit=force * (1.0 + more))
     assert fast.t_f < slow.t_f
 
 
 @pytest.mark.parametrize("move", [STEP, Positioning(distance=0.02)])
-def test_peaks_are_those_of_a_dense_sample(move: Move) -> None:
+def test_peaks_are_those_of_a_dense_sample(move):
     optimum = solve_time_optimal(PAPER, move, force_limit=2e3)
     samples = sample_trajectory(PAPER, optimum.arcs, step=2e-5)
     signals = np.column_stack([samples.states, samples.states @ PAPER.C.T])
@@ -140,14 +140,14 @@ def test_peaks_are_those_of_a_dense_sample(move: Move) -> None:
 
 
 @pytest.mark.parametrize("force", [0.0, -5.0, float("nan")])
-def test_no_force_is_a_named_outcome(force: float) -> None:
+def test_no_force_is_a_named_outcome(force):
     with pytest.raises(ComputationError) as caught:
         solve_time_optimal(PAPER, STEP, force_limit=force)
     assert caught.value.outcome is Outcome.NO_FORCE_LEFT
 
 
 @pytest.mark.parametrize(("n_modes", "seed"), [(5, 35), (7, 42)])
-def test_no_arc_has_vanished(n_modes: int, seed: int) -> None:
+def test_no_arc_has_vanished(n_modes, seed):
     # Newton's method closes an arc that a start had seen; the sheet showed it with its 0 ms.
     machine = random_modal_machine(seed, n_modes=n_modes)
     move = machine.moves[0] if seed % 2 else Positioning(distance=(1e-3, 0.02, 0.5)[seed % 3])
@@ -158,7 +158,7 @@ def test_no_arc_has_vanished(n_modes: int, seed: int) -> None:
     assert optimum.certificate.relative_gap < 1e-12
 
 
-def test_force_that_leaves_modes_indistinct_is_named_so() -> None:
+def test_force_that_leaves_modes_indistinct_is_named_so():
     # "No convergence, report the profile" would blame the program for 1e14 N.
     plant = build_plant(paper_machine())
     with pytest.raises(ComputationError, match="rad of the slowest mode") as caught:
@@ -167,7 +167,7 @@ def test_force_that_leaves_modes_indistinct_is_named_so() -> None:
 
 
 @pytest.mark.parametrize("move", [STEP, Positioning(distance=0.02)])
-def test_forces_one_after_the_other_are_those_of_single_solves(move: Move) -> None:
+def test_forces_one_after_the_other_are_those_of_single_solves(move):
     # Rows of a sweep must be the optima of their own forces, however each was started.
     forces = np.geomspace(300.0, 20e3, 40)
     found = list(solve_forces(PAPER, move, forces))

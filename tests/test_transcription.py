@@ -51,9 +51,7 @@ def smoothest(intervals: int, scheme: Scheme = Scheme.GAUSS, **changes: Any) -> 
         (Scheme.GAUSS, 4.0, (50, 100), 2e-5),
     ],
 )
-def test_terminal_error_shrinks_with_the_order_of_the_scheme(
-    solve: Any, scheme: Scheme, order: float, grids: tuple[int, int], error: float
-) -> None:
+def test_terminal_error_shrinks_with_the_order_of_the_scheme(solve, scheme, order, grids, error):
     found = [solve(N, scheme) for N in grids]
     n = PLANT.order
     coarse, fine = (float(np.abs(each.terminal_error / each.peaks[:n]).max()) for each in found)
@@ -62,7 +60,7 @@ def test_terminal_error_shrinks_with_the_order_of_the_scheme(
 
 
 @pytest.mark.parametrize("bounds", [(), SLOW_TOWER])
-def test_times_converge_to_the_exact_ones_at_second_order(bounds: tuple[SignalValue, ...]) -> None:
+def test_times_converge_to_the_exact_ones_at_second_order(bounds):
     # over 50 ... 400 intervals: where a switch lies inside its interval is another on each grid
     exact = solve_bounded_time_optimal(PLANT, STEP, force_limit=2e3, bounds=bounds).t_f
     grids = np.array([50, 100, 200, 400])
@@ -74,7 +72,7 @@ def test_times_converge_to_the_exact_ones_at_second_order(bounds: tuple[SignalVa
     assert np.isnan(found[0].certificate.t_f_lower_bound)  # a transcription claims no proof
 
 
-def test_damping_optimum_agrees_with_the_exact_one() -> None:
+def test_damping_optimum_agrees_with_the_exact_one():
     exact = solve_damping_optimal(PLANT, STEP, force_limit=2e3, t_f=0.0522, weights=PAPER_WEIGHTS)
     found = smoothest(1000)
     assert found.peaks == pytest.approx(exact.peaks, rel=2e-3)
@@ -87,20 +85,20 @@ def test_damping_optimum_agrees_with_the_exact_one() -> None:
     assert found.cost_terms == pytest.approx(exact.cost_terms, rel=1e-3)
 
 
-def test_bound_that_no_time_can_meet() -> None:
+def test_bound_that_no_time_can_meet():
     with pytest.raises(ComputationError) as caught:
         shortest(50, bounds=(SignalValue(name="v_s", value=0.05),))
     assert caught.value.outcome is Outcome.BOUND_CANNOT_HOLD
     assert "0.5 of the target is reached" in str(caught.value)
 
 
-def test_bound_out_of_reach_by_the_given_time_is_named_with_a_remedy() -> None:
+def test_bound_out_of_reach_by_the_given_time_is_named_with_a_remedy():
     # Without it an engineer only learns that IPOPT failed.
     with pytest.raises(ComputationError, match="time-optimal control under the same") as caught:
         smoothest(100, t_f=0.048, bounds=SLOW_TOWER)
     assert caught.value.outcome is Outcome.FINAL_TIME_TOO_SHORT
 
 
-def test_nothing_is_printed(capfd: pytest.CaptureFixture[str]) -> None:
+def test_nothing_is_printed(capfd):
     shortest(20)
     assert capfd.readouterr() == ("", "")

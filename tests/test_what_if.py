@@ -36,7 +36,6 @@ from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint
 from mtcommission.setpoint.smaller_moves import resize, size_of
 from mtcommission.sheet.what_if import Panel, print_answers, what_if
-from tests.conftest import Run
 
 from .test_sheet_browser import CHROMIUM, TELL, browse
 
@@ -195,7 +194,7 @@ def run_in_page(bench: Bench, cases: list[Case], folder: Path) -> Any:
 @pytest.mark.parametrize(
     "name", ["milling-manipulator", "rotary-table", SLOW_CYCLES, TWO_STATES, "printer-belt"]
 )
-def test_random_settings_give_what_simulate_gives(name: str, tmp_path: Path) -> None:
+def test_random_settings_give_what_simulate_gives(name, tmp_path):
     """Residual to 1 % of the band, settling to 0.1 ms, force and verdict, in all corners."""
     bench = build_bench(name)
     machine, band = bench.machine, bench.machine.requirements.tcp_deviation
@@ -244,7 +243,7 @@ addEventListener("load", () => {
 
 @needs_browser
 @pytest.mark.parametrize("name", ["milling-manipulator", TWO_STATES])
-def test_margins_with_any_notch_are_those_of_the_loop_with_it(name: str, tmp_path: Path) -> None:
+def test_margins_with_any_notch_are_those_of_the_loop_with_it(name, tmp_path):
     """To 0.1 dB and 0.5 degrees; and a notch that makes the loop unstable is called so."""
     bench, rng = build_bench(name), np.random.default_rng(5)
     slowest = min(mode.natural_frequency for mode in bench.plant.modes)
@@ -329,7 +328,7 @@ addEventListener("load", () => {
 
 
 @needs_browser
-def test_map_sizes_and_notch_answer_to_a_finger_and_wrong_entries_are_said(tmp_path: Path) -> None:
+def test_map_sizes_and_notch_answer_to_a_finger_and_wrong_entries_are_said(tmp_path):
     """Only the sliders would be left to try values with."""
     found, console = browse(build_bench("ball-screw").html, tmp_path, TELL + POINT)
     assert console == ""
@@ -377,10 +376,7 @@ addEventListener("load", () => {
 
 
 @needs_browser
-def test_limits_opens_the_page_and_its_command_line_gives_its_numbers(
-    run: Run,
-    tmp_path: Path,
-) -> None:
+def test_limits_opens_the_page_and_its_command_line_gives_its_numbers(run, tmp_path):
     """What an engineer copies from the page is simulated with exactly these values."""
     controller = tune_loop(read_shipped("modal-two-modes").machine).controller
     keys = ("position_gain", "velocity_gain", "integral_time")
@@ -418,7 +414,7 @@ def test_limits_opens_the_page_and_its_command_line_gives_its_numbers(
         ("--frequency-error", "80%", "--frequency-error: got 80%, must be -0.5 to 0.5"),
     ],
 )
-def test_what_cannot_be_tried_is_said(option: str, value: str, said: str, run: Run) -> None:
+def test_what_cannot_be_tried_is_said(option, value, said, run):
     profile = PROFILES / "modal-two-modes.toml"
     code, _, err = run(
         "simulate", profile, "--acceleration", "1", "--jerk", "9", f"{option}={value}"
