@@ -19,7 +19,7 @@ from benchmarks.mutations import dice_of, mutated, mutated_text, mutated_values,
 from mtcommission.commission.commission import commission
 from mtcommission.machine.profile.shipped import read_shipped
 
-COUNT = int(os.environ.get("MTCOMMISSION_FUZZ", "120"))
+COUNT = int(os.environ.get("MTCOMMISSION_FUZZ", "90"))
 
 TEXTS = shipped_texts()
 
