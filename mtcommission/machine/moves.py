@@ -37,6 +37,11 @@ class Positioning:
 Move = VelocityStep | Positioning
 
 
+def size_unit(move: Move) -> str:
+    """Return the SI unit of what a move is listed by: its velocity step or its distance."""
+    return "m/s" if isinstance(move, VelocityStep) else "m"
+
+
 def largest_velocity(move: Move) -> float:
     """Return the velocity that a move reaches at most, as stated [m/s]; inf: it states none."""
     return move.velocity_step if isinstance(move, VelocityStep) else move.max_velocity

@@ -17,8 +17,9 @@ from mtcommission.limits.commissioning_rule import (
     RuleStep,
 )
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.moves import Move
 from mtcommission.machine.setpoint_filter import SetpointFilter
-from mtcommission.record.moves import Array, AssessmentPart, describe_move, rounded
+from mtcommission.record.moves import Array, AssessmentPart, rounded
 from mtcommission.record.shape import Words, entry_of, of
 from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT
 from mtcommission.setpoint.smaller_moves import size_of
@@ -172,7 +173,7 @@ class MoveSizesEntry:
         lambda it: it.limits.jerk if it.limits.jerk_time > 2.0 * NO_JERK_LIMIT else None
     )
     setpoint_filter: SetpointFilter | None = of("limits.setpoint_filter")
-    move: dict[str, float] = of(lambda sizes: describe_move(sizes.move))
+    move: Move
     size: list[float] = of(_plotted("size"))  # velocity steps or distances
     residual_deviation: list[float | None] = of(_plotted("residual_deviation"))
     full_from: float | None  # from here on the acceleration is reached; None: never

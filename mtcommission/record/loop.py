@@ -25,9 +25,10 @@ from mtcommission.loop.respond import OUTPUTS
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.control import ForceFilter, shortest_ramp
 from mtcommission.machine.machine import Corner, Machine, vary
+from mtcommission.machine.moves import Move
 from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.machine.setpoint_filter import SetpointFilter
-from mtcommission.record.moves import InCorner, Series, by_mode, describe_move
+from mtcommission.record.moves import InCorner, Series, by_mode
 from mtcommission.record.shape import Matrix, Words, entry_of, finite_or_none, of
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.loops import LoopChoice
@@ -388,7 +389,7 @@ class WhatIfPart:
     loop: SampledEntry
     plant: VariedPlantEntry
     corners: list[NoisyCornerEntry]
-    moves: list[dict[str, float]]
+    moves: list[Move]
     requirements: NeedsEntry
     limits: list[KnownLimitsEntry]
     force_filters: list[ForceFilter]
@@ -439,7 +440,7 @@ def what_if_part(
             )
             for corner, loop in zip(tuned.corners, tuned.loops, strict=True)
         ],
-        moves=[describe_move(move) for move in machine.moves],
+        moves=list(machine.moves),
         requirements=entry_of(
             NeedsEntry,
             machine.requirements,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import ceil, isfinite
+from math import ceil
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from mtcommission.limits.judge import MoveResult, evaluate_moves
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
-from mtcommission.machine.moves import Move, VelocityStep
+from mtcommission.machine.moves import Move
 from mtcommission.machine.plant.plant import Plant, longest_period
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.record.shape import Words, entry_of, of
@@ -54,19 +54,6 @@ class InCorner:
     state: str = of("corner.state", default="")  # as the profile names it
 
 
-def describe_move(move: Move) -> dict[str, float]:
-    """Return a move with the profile's keys; limits that were not set are left out."""
-    if isinstance(move, VelocityStep):
-        entry = {"velocity_step": move.velocity_step}
-    else:
-        entry = {"distance": move.distance}
-        if isfinite(move.max_velocity):
-            entry["max_velocity"] = move.max_velocity
-    if move.dwell:
-        entry["dwell"] = move.dwell
-    return entry
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Segment:
     """One segment of Ruckig's profile."""
@@ -102,7 +89,7 @@ class ResponseEntry(InCorner):
 class MoveEntry:
     """One move with the recommended limits: nominal response, corners, motion for the plots."""
 
-    move: dict[str, float]
+    move: Move
     setpoint: SetpointEntry
     response: ResponseEntry
     corners: list[ResponseEntry]
@@ -179,7 +166,7 @@ def move_entry(plant: Plant, tuned: TunedLoop, result: MoveResult) -> MoveEntry:
         for corner, response in zip(tuned.corners, result.responses, strict=True)
     ]
     return MoveEntry(
-        move=describe_move(setpoint.move),
+        move=setpoint.move,
         setpoint=entry_of(SetpointEntry, setpoint, setpoint.limits, segments=segments),
         response=responses[0],
         corners=responses,

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import isfinite
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from mtcommission.machine.moves import Move
 from mtcommission.machine.plant.plant import Plant
 from mtcommission.optimal.control import (
     AnyOptimum,
@@ -15,7 +16,7 @@ from mtcommission.optimal.control import (
     sample_trajectory,
     side_text,
 )
-from mtcommission.record.moves import Series, by_name, describe_move, series_of
+from mtcommission.record.moves import Series, by_name, series_of
 from mtcommission.record.shape import Words, entry_of, of
 
 if TYPE_CHECKING:  # the optima's own libraries take a while to load
@@ -23,10 +24,6 @@ if TYPE_CHECKING:  # the optima's own libraries take a while to load
 
 PLOT_SAMPLES = 800
 """Samples of an optimal control for its plot."""
-
-
-def _move_of(result: Any) -> dict[str, float]:
-    return describe_move(result.move)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -65,7 +62,7 @@ class OptimumEntry:
     kind: str
     method: str
     f_max: float = of("force_limit")
-    move: dict[str, float] = of(_move_of)
+    move: Move
     limits: dict[str, float]
     t_f: float
     arcs: list[ArcEntry]
@@ -92,7 +89,7 @@ class BandEntry:
 class OptimaEntry:
     """The optima of one move; ``remarks`` say why one was not found."""
 
-    move: dict[str, float] = of(_move_of)
+    move: Move
     time: OptimumEntry
     constrained: OptimumEntry | None  # None: the profile bounds no peaks
     damping: OptimumEntry | None

@@ -25,6 +25,7 @@ from mtcommission.base.files import read_bytes
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message, from_json, to_json
 from mtcommission.controls.kind import FIR
+from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.setpoint_filter import SetpointFilter
 
 Entry = TypeVar("Entry")
@@ -236,11 +237,25 @@ def _read_filter(value: Any, _: Any) -> SetpointFilter:
     return SetpointFilter(**plain)
 
 
+def _write_move(move: Move) -> dict[str, float]:
+    """A move with the profile's keys; limits that were not set are left out."""
+    return {key: value for key, value in asdict(move).items() if value and isfinite(value)}
+
+
+def _read_move(value: Any, _: Any) -> Move:
+    if isinstance(value, Move):
+        return value
+    stated = _CONVERTER.structure(value, dict[str, float])
+    return VelocityStep(**stated) if "velocity_step" in stated else Positioning(**stated)
+
+
 def _converter() -> Converter:
     made = Converter()
     made.register_unstructure_hook(float, lambda value: value if isfinite(value) else None)
     made.register_unstructure_hook(Message, to_json)
     made.register_unstructure_hook(SetpointFilter, _write_filter)
+    made.register_unstructure_hook(VelocityStep, _write_move)
+    made.register_unstructure_hook(Positioning, _write_move)
 
     def reader(form: Any) -> Callable[[Any, Any], Any]:
         """From JSON, or from a result."""
@@ -255,6 +270,7 @@ def _converter() -> Converter:
 
     made.register_structure_hook_factory(is_dataclass, reader)
     made.register_structure_hook(SetpointFilter, _read_filter)
+    made.register_structure_hook(Move, _read_move)
     made.register_structure_hook(Message, _message)
     made.register_structure_hook(
         Words, lambda value, _: value if isinstance(value, str) else _message(value, _)

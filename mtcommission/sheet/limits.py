@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.machine.checks import say_filter, say_jerk
+from mtcommission.machine.moves import Positioning, largest_velocity
 from mtcommission.record.limits import Alternative, LimitsPart, ListedEntry
 from mtcommission.record.machine import ModeEntry
-from mtcommission.record.shape import Words
+from mtcommission.record.shape import Words, finite_or_none
 from mtcommission.sheet.document import (
     Block,
     Formula,
@@ -195,12 +196,13 @@ def _share(mode: ModeEntry) -> float:
     return max(abs(mode.tcp_gain), abs(mode.tcp_gain - mode.measured_gain))
 
 
-def _moves(record: Record) -> list[dict[str, float]]:
-    return [entry.move for entry in record.moves]
+def _velocities(record: Record) -> list[float | None]:
+    return [finite_or_none(largest_velocity(entry.move)) for entry in record.moves]
 
 
-def _velocity(move: dict[str, float]) -> float | None:
-    return move.get("velocity_step", move.get("max_velocity"))
+def _distances(record: Record) -> list[float]:
+    moves = [entry.move for entry in record.moves]
+    return [move.distance for move in moves if isinstance(move, Positioning)]
 
 
 SYMBOLS: tuple[tuple[str, str, Callable[[Record], Any], str], ...] = (
@@ -211,8 +213,8 @@ SYMBOLS: tuple[tuple[str, str, Callable[[Record], Any], str], ...] = (
     ("n", "rule-symbol-n", lambda _: None, ""),
     ("band", "name-tcp-deviation", find_band, "m"),
     ("F", "rule-symbol-F", lambda r: r.optima[0].time.f_max, "N"),
-    ("v", "rule-symbol-v", lambda r: list(map(_velocity, _moves(r))), "m/s"),
-    ("L", "rule-symbol-L", lambda r: [m["distance"] for m in _moves(r) if "distance" in m], "m"),
+    ("v", "rule-symbol-v", _velocities, "m/s"),
+    ("L", "rule-symbol-L", _distances, "m"),
     ("m", "rule-symbol-m", lambda r: r.plant.moving_mass, "kg"),
     ("m_ff", "rule-symbol-m-ff", lambda r: r.loop.feedforward.mass, "kg"),
     ("T", "name-force-lag", lambda r: find_number(r, "drive.force_lag"), "s"),

@@ -12,6 +12,7 @@ import numpy as np
 
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
+from mtcommission.machine.moves import size_unit
 from mtcommission.record.limits import MoveSizesEntry
 from mtcommission.record.moves import MoveEntry, Series
 from mtcommission.record.optima import OptimaEntry, OptimumEntry
@@ -276,7 +277,7 @@ def _ways(record: Record, number: int) -> list[MoveSizesEntry]:
 
 def _sizes(record: Record, ways: list[MoveSizesEntry], title: str, words: Catalogue) -> Table:
     def unit(entry: MoveSizesEntry) -> str:
-        return "m/s" if "velocity_step" in entry.move else "m"
+        return size_unit(entry.move)
 
     def end(entry: MoveSizesEntry, value: float | None, last: float, open_end: str) -> str:
         """An end of the range in which the band is kept; the last one tried is open."""
@@ -299,7 +300,7 @@ def _size_plot(record: Record, number: int, words: Catalogue) -> Iterator[LinePl
     text, ways, permitted = words.text, _ways(record, number), find_band(record)
     if not ways:
         return
-    is_step = "velocity_step" in ways[0].move
+    unit = size_unit(ways[0].move)
     curves = [
         Curve(words.say(one.way), one.size, one.residual_deviation, WAYS.get(one.way, SETPOINT))
         for one in ways
@@ -310,7 +311,7 @@ def _size_plot(record: Record, number: int, words: Catalogue) -> Iterator[LinePl
         words,
         f"sizes-{number}",
         [residual],
-        x=(words.name("velocity_step" if is_step else "distance"), "m/s" if is_step else "m"),
+        x=(words.name("velocity_step" if unit == "m/s" else "distance"), unit),
         text="sizes-plot",
         is_log=True,
         move=text("move", number=number),

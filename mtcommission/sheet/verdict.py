@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import replace
-from math import inf
+from math import inf, isfinite
 from typing import TYPE_CHECKING
 
 from mtcommission.base.messages.catalogue import Catalogue
@@ -22,6 +22,7 @@ from mtcommission.machine.checks import (
     say_filter,
     say_loop,
 )
+from mtcommission.machine.moves import Move, VelocityStep, size_unit
 from mtcommission.machine.setpoint_filter import name_shaper
 from mtcommission.record.machine import datum_name, say_assumed
 from mtcommission.record.moves import Check
@@ -356,16 +357,16 @@ def _meaning(entry: Entry, words: Catalogue) -> str:
     return said if entry.row.is_verified else f"{said} {DOUBT}".strip()
 
 
-def move_title(move: dict[str, float], number: int, words: Catalogue) -> str:
+def move_title(move: Move, number: int, words: Catalogue) -> str:
     """Return e.g. "Move 1 (velocity step 100 mm/s)"."""
     text = words.text
-    if "velocity_step" in move:
-        what = text("velocity-step", velocity=show(move["velocity_step"], words, "m/s"))
+    if isinstance(move, VelocityStep):
+        what = text("velocity-step", velocity=show(move.velocity_step, words, "m/s"))
     else:
-        distance, limit = show(move["distance"], words, "m"), move.get("max_velocity")
+        distance = show(move.distance, words, "m")
         what = text("positioning", distance=distance)
-        if limit is not None:
-            velocity = show(limit, words, "m/s")
+        if isfinite(move.max_velocity):
+            velocity = show(move.max_velocity, words, "m/s")
             what = text("positioning-limited", distance=distance, velocity=velocity)
     return f"{text('move', number=number)} ({what})"
 
@@ -520,8 +521,8 @@ def _serves_listed(record: Record) -> bool:
 def _sizes(record: Record, words: Catalogue) -> str:
     text, f, limits = words.text, words.format, record.limits
 
-    def shown(move: dict[str, float], size: float) -> str:
-        return f.axis(size, "m/s" if "velocity_step" in move else "m")
+    def shown(move: Move, size: float) -> str:
+        return f.axis(size, size_unit(move))
 
     moves, sizes = [item.move for item in record.moves], limits.recommended.valid_for
     own = ", ".join(shown(move, item.largest) for move, item in zip(moves, sizes, strict=True))

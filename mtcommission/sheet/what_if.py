@@ -18,10 +18,12 @@ from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.quantities import motion_unit
 from mtcommission.controls.kind import FIR, MOVING_AVERAGE
 from mtcommission.machine.checks import say_filter
+from mtcommission.machine.moves import size_unit
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.record.loop import KnownLimitsEntry, WhatIfPart
 from mtcommission.record.machine import MachineEntry, Profile
 from mtcommission.record.shape import to_plain
+from mtcommission.setpoint.smaller_moves import size_of
 from mtcommission.sheet.html import set_html
 from mtcommission.sheet.tables import document_of, say_requirement, show, words_for
 
@@ -118,7 +120,7 @@ def what_if(part: WhatIfPart, words: Catalogue, *, profile: str) -> Panel:
     return Panel(
         say=partial(words.own, "what-if", today=today),
         moves=tuple(
-            f"{words.text('move', number=number)}: {_size(move, words)}"
+            f"{words.text('move', number=number)}: {show(size_of(move), words, size_unit(move))}"
             for number, move in enumerate(part.moves, start=1)
         ),
         columns=tuple(names[item.name] for item in part.limits),
@@ -152,12 +154,6 @@ def what_if(part: WhatIfPart, words: Catalogue, *, profile: str) -> Panel:
             "has_jerk": has_jerk,
         },
     )
-
-
-def _size(move: dict[str, float], words: Catalogue) -> str:
-    if "velocity_step" in move:
-        return show(move["velocity_step"], words, "m/s")
-    return show(move["distance"], words, "m")
 
 
 def _filters(part: WhatIfPart, words: Catalogue) -> dict[str, Any]:
@@ -206,16 +202,17 @@ def _known(item: KnownLimitsEntry, filters: dict[str, Any]) -> dict[str, Any]:
 def _units(part: WhatIfPart, words: Catalogue) -> dict[str, dict[str, Any]]:
     f, best = words.format, part.limits[-1]
     band, force = part.requirements.tcp_deviation, part.requirements.motion_force
-    sizes = [move.get("distance", 0.0) for move in part.moves]
-    velocities = [move.get("velocity_step", 0.0) for move in part.moves]
+    sizes = {"m": 0.0, "m/s": 0.0}
+    for move in part.moves:
+        sizes[size_unit(move)] = max(sizes[size_unit(move)], size_of(move))
     scales = {
         "acceleration": f.scale(best.acceleration, _axis("m/s^2", words)),
         "jerk": f.scale(best.jerk, _axis("m/s^3", words)),
         "time": f.scale(1e-2, "s"),
         "deviation": f.scale(band, _axis("m", words)),
         "force": f.scale(force, part.plant.signals[0].unit),
-        "distance": f.scale(max(sizes), _axis("m", words)),
-        "velocity": f.scale(max(velocities), _axis("m/s", words)),
+        "distance": f.scale(sizes["m"], _axis("m", words)),
+        "velocity": f.scale(sizes["m/s"], _axis("m/s", words)),
         "payload": f.scale(1.0, "kg m^2" if words.rotary else "kg"),
     }
     known = {
