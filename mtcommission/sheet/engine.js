@@ -3,13 +3,13 @@
 // SI throughout; matrices are arrays of rows. A "model" is the record's `what_if`.
 
 const engine = (() => {
-  const TAYLOR_TERMS = 18;   // as loop/batch/loops.py: converged up to
+  const TAYLOR_TERMS = 18;   // of the exponential: converged up to
   const LARGEST_ANGLE = 2;   // pole times step; longer steps are halved, and the result squared
   const INSTANT = 1e-9;      // times closer than this are one instant [s]
   const HORIZON = 10;        // what may still leave the band so long after t_e is not settled [s]
   const DECAYED = 0.1;       // share of band and motion below which the last swings must stay
   const LEAST_SIZE = 1e-4;   // free motion below this share of the band counts as none
-  const SIGMAS = 3;          // noise of the force as a standard deviation, as assess.py
+  const SIGMAS = 3;          // noise of the force as a standard deviation, as loop/disturbance.py
 
   // ---- the setpoint: closed form of the seven segments, then the filter's kernel ----
 
@@ -350,7 +350,7 @@ const engine = (() => {
 
   // ---- over frequency ----
 
-  // Response of b(s)/a(s) behind the bilinear transform at the velocity cycle, as discrete.py.
+  // Response of b(s)/a(s) behind the bilinear transform at the velocity cycle.
   function notchAt(frequency, {frequency_hz, damping, width}, T_v) {
     const s = 2 / T_v * Math.tan(Math.PI * frequency * T_v), omega = 2 * Math.PI * frequency_hz, real = omega * omega - s * s;
     return divide([real, 2 * damping * omega * s], [real, 2 * width * omega * s]);
