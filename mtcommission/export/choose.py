@@ -57,10 +57,10 @@ class Chosen:
     verdict: Candidate  # of the simulation with exactly these
 
 
-def fill_in(subject: Subject, target: Control) -> tuple[tuple[Entry, ...], set[str]]:
+def fill_in(subject: Subject, target: Control) -> tuple[tuple[Entry, ...], set[str], Held]:
     """Return every row with what is typed in, those that are only remarks last.
 
-    With them, the machining modes that the control has.
+    With them, the machining modes that the control has, and the loop that was judged.
 
     Raises InputError if the loop is unstable as typed, or the control has no number that small.
     """
@@ -86,7 +86,7 @@ def fill_in(subject: Subject, target: Control) -> tuple[tuple[Entry, ...], set[s
             values |= chosen.values if chosen.verdict.assessment.is_met else {}
     entries = type_in(rows, values, today_of(subject))
     ordered = tuple(sorted(entries, key=lambda entry: entry.row.is_elsewhere))
-    return ordered, {row.index for row in rows}
+    return ordered, {row.index for row in rows}, held
 
 
 def _take(rows: Iterable[Row], values: Values) -> dict[Key, float | str]:

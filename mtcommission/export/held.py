@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import inf, pi
 from typing import Any
 
@@ -54,6 +54,8 @@ class Held:
     machine: Machine  # mechanics, moves and requirements of the profile, the text's control
     tuned: TunedLoop  # its loop in every corner; nothing of it was tuned
     values: Values  # everything that the text says
+    judged: dict[tuple[MotionLimits, float], Candidate] = field(default_factory=dict)
+    """What was judged already, by limits and band [m]."""
 
     def limits(self, mode: str = "") -> MotionLimits:
         """Return the limits of a machining mode; "" for the recommendation."""
@@ -61,11 +63,12 @@ class Held:
 
     def judge(self, limits: MotionLimits, mode: ModeLimits | None = None) -> Candidate:
         """Return what limits do in every corner, with the band of a machining mode."""
-        machine = self.machine
-        if mode is not None:
-            needs = replace(machine.requirements, tcp_deviation=mode.band)
-            machine = replace(machine, requirements=needs)
-        return evaluate(machine, self.tuned, limits)
+        needs = self.machine.requirements
+        band = mode.band if mode else needs.tcp_deviation
+        if (limits, band) not in self.judged:
+            machine = replace(self.machine, requirements=replace(needs, tcp_deviation=band))
+            self.judged[limits, band] = evaluate(machine, self.tuned, limits)
+        return self.judged[limits, band]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -228,8 +231,10 @@ def _read_filter(values: Values) -> SetpointFilter | None:
     return moving_average(time)
 
 
-def hold(subject: Subject, values: Values) -> Held:
+def hold(subject: Subject, values: Values, *, known: Held | None = None) -> Held:
     """Return the loop that settings make: of the profile only machine, moves and requirements.
+
+    ``known``: of other settings; its loop is taken where these make the same.
 
     Raises InputError if a setting is missing, contradicts another, or the loop is unstable.
     """
@@ -242,8 +247,10 @@ def hold(subject: Subject, values: Values) -> Held:
             machine.control, kind=subject.kind, setpoint_filter=None, seeks_setpoint_filter=False
         )
         machine = replace(machine, control=control)
-        return Held(machine=machine, tuned=close_as_held(machine), values=values)
-    machine = replace(machine, control=_control(values, subject))
+    else:
+        machine = replace(machine, control=_control(values, subject))
+    if known is not None and machine == known.machine:
+        return replace(known, values=values)
     try:
         tuned = close_as_held(machine)
         if not all(analysis.is_stable for analysis in tuned.analyses):
@@ -305,14 +312,16 @@ def _control(values: Values, subject: Subject) -> Control:
     )
 
 
-def judge_text(subject: Subject, values: Values, indices: Collection[str] = ()) -> Judged:
+def judge_text(
+    subject: Subject, values: Values, indices: Collection[str] = (), *, known: Held | None = None
+) -> Judged:
     """Return what the settings that a text holds do to its axis.
 
-    ``indices``: of the control's machining modes.
+    ``indices``: of the control's machining modes; ``known``: what it was filled in by.
 
     Raises InputError if a setting is missing, contradicts another, or the loop is unstable.
     """
-    held, modes = hold(subject, values), subject.record.limits.modes
+    held, modes = hold(subject, values, known=known), subject.record.limits.modes
     written = {index for setting, index in held.values if setting in LIMITS}
     verdict = held.judge(held.limits())
     by_mode = [held.judge(held.limits(one.name), one) for one in modes if one.name in written]

@@ -83,9 +83,10 @@ def _export(
 ) -> Export:
     subject = build_subject(record, target.kind)
     words, layout = words_for(subject, language), LIST if as_list else target.layout
-    entries, indices = fill_in(subject, target)
+    entries, indices, known = fill_in(subject, target)
     lines, rows = write_body(layout, entries, words), [entry.row for entry in entries]
-    judged = judge_text(subject, read_text(layout, rows, "\n".join(lines), words), indices)
+    values = read_text(layout, rows, "\n".join(lines), words)
+    judged = judge_text(subject, values, indices, known=known)
     header = say_plainly(compose_header(record, subject, target, judged, rows, words), words)
     return Export(
         header=header,
