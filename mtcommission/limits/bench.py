@@ -11,8 +11,8 @@ up most; later ones only grow less. ``limits.every_size`` has the last word.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field, replace
 from math import isfinite
 
 import numpy as np
@@ -48,6 +48,7 @@ class During:
     swings: Swings
     left: Array  # of each bound [own units]
     move: Move
+    worst: float = 1.0  # size that used most the last time, by that of the move [-]
 
     def is_far(self, machine: Machine, acceleration: float) -> bool:
         """Return whether a response need not be looked at, so far is the limit [m/s²]."""
@@ -65,7 +66,7 @@ class Bench:
     mean: MeanResponse  # of what is judged after the move
     noise: EncoderNoise  # in the worst corner
     left_after: Array  # what it leaves of each bound on what is judged after the move [own units]
-    during: list[During]  # what is judged during the move, what asked for most the last time first
+    during: list[During]  # what is judged during the move, what used most the last time first
     aged: Complex  # what free times beyond the least of a family have left of the mean response
     ramps: Array  # of sizes that do not reach the acceleration [s]
     behind: dict[SetpointFilter | None, Use] = field(default_factory=dict)
@@ -284,19 +285,36 @@ class Use:
 
         ``is_enough``: of a share from which on more of it need not be known.
         """
-        bench, used, most = self.bench, 0.0, 0
-        shares = np.array(SIZES) if bench.every_size else np.ones(1)
-        for k, one in enumerate(bench.during):
-            if one.is_far(bench.machine, a):
-                continue
-            steps = filter_steps(self._sizes(one.move, shares, a, t_j), self.item)
-            share = float((one.swings.largest(bench.poles, steps) / one.left).max())
+        during, used, most, worst = self.bench.during, 0.0, 0, 1.0
+        for place, size, share in self._of_sizes(a, t_j):
             if share > used:
-                used, most = share, k
+                used, most, worst = share, place, size
             if is_enough(used):
                 break
-        bench.during.insert(0, bench.during.pop(most))
+        if used:
+            during.insert(0, replace(during.pop(most), worst=worst))
         return used
+
+    def _of_sizes(self, a: float, t_j: float) -> Iterator[tuple[int, float, float]]:
+        """What is judged during the move: of the size that was the worst, then of all others.
+
+        By its place; with the size that uses most, by that of the move, and what it uses [-].
+        """
+        bench = self.bench
+        for place, one in enumerate(bench.during):
+            if one.is_far(bench.machine, a):
+                continue
+            shares = self._lay_shares(one.move, a, t_j)
+            likely = int(np.abs(np.log(shares / one.worst)).argmin())
+            for part in (shares[[likely]], np.delete(shares, likely)):
+                if not len(part):
+                    continue
+                full = np.full_like(part, a)
+                sizes = part * size_of(one.move)
+                steps = jerk_steps(one.move, acceleration=full, jerk=full / t_j, size=sizes)
+                found = one.swings.largest(bench.poles, filter_steps(steps, self.item)) / one.left
+                worst = int(found.max(axis=1).argmax())
+                yield place, float(part[worst]), float(found[worst].max())
 
     def of_rise(self, a: Array, t_j: Array) -> Array:
         """Return the share of the same that the rise of the acceleration uses, shape of ``a``.
@@ -318,15 +336,13 @@ class Use:
             used = np.maximum(used, share.max(axis=1))
         return used
 
-    def _sizes(self, move: Move, shares: Array, a: float, t_j: float) -> JerkSteps:
-        """Some sizes of a move, and those that just reach the acceleration."""
-        if self.bench.every_size:
-            just = a * t_j if isinstance(move, VelocityStep) else 2.0 * a * t_j**2
-            reach = just / size_of(move)
-            shares = np.unique(np.clip(np.append(shares, [reach, 1.3 * reach]), 1e-6, 1.0))
-        full = np.full_like(shares, a)
-        sizes = shares * size_of(move)
-        return jerk_steps(move, acceleration=full, jerk=full / t_j, size=sizes)
+    def _lay_shares(self, move: Move, a: float, t_j: float) -> Array:
+        """Some sizes of a move, and those that just reach the acceleration, by its own [-]."""
+        if not self.bench.every_size:
+            return np.ones(1)
+        just = a * t_j if isinstance(move, VelocityStep) else 2.0 * a * t_j**2
+        reach = just / size_of(move)
+        return np.unique(np.clip([*SIZES, reach, 1.3 * reach], 1e-6, 1.0))
 
 
 def _lay_ages(move: Move, a: float, t_j: float, ages: Array, ramps: Array) -> Array:

@@ -109,7 +109,7 @@ def explore(
     Of those equally soon the one with the least jerk. ``near``: what is known of a loop much like
     this one; then only its neighbourhood is looked at, and ``beside`` its filter others.
     ``refined``: how many places are; 0 for a first look. ``latest``: duration beyond which nothing
-    is looked at [s]. Empty where nothing keeps the bounds.
+    is wanted [s]. Empty where nothing keeps the bounds.
     """
     machine, control = bench.machine, bench.machine.control
     ladder = largest_acceleration(machine) * np.geomspace(LEAST_SHARE, 1.0, LADDER)
@@ -130,10 +130,14 @@ def explore(
         if is_free:
             times = [max(near.jerk_time * factor, SHORTEST) for factor in NEAR_TIMES]
             jerk_times = list(dict.fromkeys(times))
-    begins = explorer.first_look([(item, t) for item in items for t in jerk_times], latest)
+    worthwhile = (WORTHWHILE if is_free else WITHOUT_RAMPS) if refined else 1.0
+    places = [(item, t) for item in items for t in jerk_times]
+    begins = explorer.first_look(places, worthwhile * latest)
     # One after the other: what was refined before decides what is worth it.
-    worthwhile = WORTHWHILE if is_free else WITHOUT_RAMPS
-    looks = (explorer.look_at([p], latest=worthwhile * explorer.soonest()) for p in begins)
+    looks = (
+        explorer.look_at([place], latest=worthwhile * min(explorer.soonest(), latest))
+        for place in begins
+    )
     for begin in islice((found for found in looks if found is not None), refined):
         explorer.refine(begin, REACHES if near is None else NEAR_REACHES, is_free=is_free)
     return explorer.ranked()
@@ -312,12 +316,13 @@ class _Explorer:
         return a
 
     def _rest(self, use: Use, a: float, t_j: float, latest: float) -> float:
-        """Share of force and peaks, as far as what keeps it may be soon enough."""
+        """Share of force and peaks, as far as less of it may be kept, and soon enough."""
 
-        def is_late(used: float) -> bool:
-            return used > 1.0 and self._duration((use.item, t_j), a / used) > latest
+        def is_enough(used: float) -> bool:
+            is_over = used > 1.0 + NEARLY and not self.is_rough
+            return is_over or (used > 1.0 and self._duration((use.item, t_j), a / used) > latest)
 
-        used = max(use.of_rest(a, t_j, is_enough=is_late), CLOSE)
+        used = max(use.of_rest(a, t_j, is_enough=is_enough), CLOSE)
         own = self.rests.setdefault(use.item, {})
         own[t_j] = max(own.get(t_j, 0.0), used / a)
         return used

@@ -68,10 +68,12 @@ def find_typed(
     stricter = machine
     typed: list[Typed] = []
     for _ in range(rounds):
+        best = min((item.duration for item in typed), default=inf)
         if not found:
             bench = build_bench(stricter, tuned)
-            found = explore(bench, largest_jerk=largest_jerk, near=near, refined=refined)
-        best = min((item.duration for item in typed), default=inf)
+            found = explore(
+                bench, largest_jerk=largest_jerk, near=near, refined=refined, latest=best
+            )
         first: tuple[SizeCheck, ...] = ()
         for item in found[:most]:
             if item.duration >= min(best, longest_move(machine)):

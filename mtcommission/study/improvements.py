@@ -146,8 +146,9 @@ def _improve(
         if not choice.meets_requirements or choice.reserve_used:
             return _compared(change, judge(row), choice)
         known, delay = choice.candidate.settling_time, tuned.controller.reference_delay
-        seen = look(replace(row, refined=1 if is_near else REFINED))
-        if not seen or seen[0].duration + delay > (1.0 - STUDY.worth) * known:
+        latest = (1.0 - STUDY.worth) * known - delay
+        seen = look(replace(row, refined=1 if is_near else REFINED, latest=latest))
+        if not seen or seen[0].duration > latest:
             return Improvement(change=change, outcome=SAVES_LITTLE)
         return _compared(change, judge(replace(row, found=seen)), choice)
     except ComputationError as error:
