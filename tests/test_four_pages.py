@@ -60,7 +60,6 @@ def sizes(page) -> list[float]:
     [
         *((name, dict, ("en", "de")[i % 2]) for i, name in enumerate(shipped_names())),
         ("milling-manipulator", with_today, "de"),
-        ("ball-screw", with_today, "en"),
         ("ball-screw", with_today, "de"),
         ("rack-gantry", not_met, "en"),
         ("honing-z", not_met, "de"),

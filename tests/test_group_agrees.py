@@ -69,7 +69,7 @@ def exported(kind: str) -> GroupExport:
     return export_group(recorded(kind), control=kind)
 
 
-EVERY = ("sinumerik", "heidenhain", "fanuc", "twincat", "linuxcnc", "klipper", "marlin")
+EVERY = ("sinumerik", "heidenhain", "fanuc", "twincat", "klipper", "marlin")
 """One of each rule at corners, and of each place that path limits have, or have not."""
 
 
