@@ -61,10 +61,9 @@ def base_excited_residual(
 
 
 @pytest.mark.parametrize("item", [None, MZV, SetpointFilter(kind="zv", frequency_hz=45.0)])
-@pytest.mark.parametrize("acceleration", [4.0, 18.0])
-def test_residual_by_a_second_program(item, acceleration):
+def test_residual_by_a_second_program(item):
     """Else the vibration that is printed is not that of a head behind a motor that follows."""
-    machine = printer()
+    machine, acceleration = printer(), 18.0
     limits = replace(without_jerk_limit(machine, acceleration), setpoint_filter=item)
     move = machine.moves[0]
     assert isinstance(move, Positioning)
@@ -107,8 +106,9 @@ def marlin_residual(
     return float(np.mean(found))
 
 
-@pytest.mark.parametrize("kind", ["marlin_zv", "marlin_mzv", "marlin_3hump_ei"])
-@pytest.mark.parametrize("wanted", [41.3, 52.0])
+@pytest.mark.parametrize(
+    ("kind", "wanted"), [("marlin_zv", 41.3), ("marlin_mzv", 52.0), ("marlin_3hump_ei", 41.3)]
+)
 def test_marlin_as_its_source_computes_it(kind, wanted):
     """Else the sheet's promise is not what the samples of the firmware do."""
     machine, a = printer(), 11.7
