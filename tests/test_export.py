@@ -9,7 +9,6 @@ import re
 from dataclasses import replace
 from functools import cache
 from math import isfinite, pi
-from pathlib import Path
 
 import pytest
 
@@ -23,6 +22,7 @@ from mtcommission.export.subject import build_subject
 from mtcommission.export.write import export_record, read_text, write_body
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.profile.read import parse_profile, profile_text_hash
+from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.record.exported import Export
 from mtcommission.record.machine import ACCEPTED_DEFAULT
 from mtcommission.record.record import Record, load_record
@@ -33,7 +33,7 @@ from .sheet_record import Json, on_json, run_of
 
 export_record, build_subject = on_json(export_record), on_json(build_subject)
 
-PAPER = (Path(__file__).parent.parent / "profiles" / "milling-manipulator.toml").read_text()
+PAPER = read_shipped("milling-manipulator").text
 
 CYCLES = 'position_cycle = "1 ms"\nvelocity_cycle = "125 us"\n'
 

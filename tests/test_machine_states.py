@@ -15,10 +15,11 @@ from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Corner, Machine, corners, vary
 from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.profile.read import parse_profile
+from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.setpoint.motion_limits import MotionLimits
 from tests import identify_files as made
 
-PROFILE = (Path(__file__).parent.parent / "profiles" / "ball-screw.toml").read_text("utf-8")
+PROFILE = read_shipped("ball-screw").text
 FAR = """
 [[machine_states]]
 name = "far end"

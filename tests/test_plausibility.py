@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 import pytest
 
@@ -12,9 +11,8 @@ from mtcommission.base.messages.quantities import THIN_SPACE
 from mtcommission.machine.checks import check_plausibility
 from mtcommission.machine.machine import Motion
 from mtcommission.machine.profile.read import parse_profile
+from mtcommission.machine.profile.shipped import read_shipped
 from tests.test_profile import MANIPULATOR, MODAL, changed
-
-PROFILES = Path(__file__).parent.parent / "profiles"
 
 CONTROL = '"5 um"\n[control]\n'
 ON_THE_PAPER = [
@@ -75,7 +73,7 @@ def test_each_is_said_with_its_numbers():
 
 def test_a_rotary_axis_is_described_in_its_own_units():
     """Else the torque of a table would be given in newtons."""
-    table = (PROFILES / "rotary-table.toml").read_text(encoding="utf-8")
+    table = read_shipped("rotary-table").text
     weak = re.sub(
         r"^max_force = .*\ncontinuous_force = .*", 'max_force = "1 mN m"', table, flags=re.M
     )

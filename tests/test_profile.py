@@ -13,13 +13,13 @@ from mtcommission.machine.control import ForceFilter, StateFeedback
 from mtcommission.machine.machine import Motion
 from mtcommission.machine.moves import Positioning, VelocityStep
 from mtcommission.machine.profile.read import parse_profile, read_profile
+from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.machine.requirements import NO_RESERVE, Reserve
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from tests.machines import paper_machine
 from tests.profile_page import PAGE, write_page
 
-PROFILES = Path(__file__).parent.parent / "profiles"
-MILLING = (PROFILES / "milling-manipulator.toml").read_text(encoding="utf-8")
+MILLING = read_shipped("milling-manipulator").text
 
 MANIPULATOR = """\
 schema = 1
@@ -101,7 +101,7 @@ def test_a_table_that_is_assumed_covers_its_keys():
 
 
 def test_the_milling_profile_is_table_1_christiansen_maurer_zirn():
-    machine, paper = read_profile(PROFILES / "milling-manipulator.toml"), paper_machine()
+    machine, paper = read_shipped("milling-manipulator").machine, paper_machine()
     assert machine.mechanics == paper.mechanics
     assert machine.drive == paper.drive
     assert machine.moves == paper.moves

@@ -38,14 +38,15 @@ from mtcommission.machine.control import StateFeedback
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.profile.read import read_profile
+from mtcommission.machine.profile.shipped import read_shipped, shipped_names
 from mtcommission.machine.readers import SignalValue
 from tests.independent_loop import Profile, quiet_copy, run
 from tests.machines import paper_machine, random_modal_machine
 
-PROFILES = [
-    path
-    for path in sorted((Path(__file__).parent.parent / "profiles").glob("*.toml"))
-    if not read_profile(path).drive.follows  # no loop: tests/test_position_source.py
+SERVOS = [
+    name
+    for name in shipped_names()
+    if not read_shipped(name).machine.drive.follows  # no loop: tests/test_position_source.py
 ]
 
 
@@ -133,10 +134,10 @@ def test_shown_damping_is_that_of_the_mode_and_not_of_the_observer(machine, monk
         assert shown.real / abs(shown) == pytest.approx(pole.real / abs(pole), rel=1e-6)
 
 
-@pytest.mark.parametrize("path", PROFILES, ids=lambda path: path.stem)
-def test_proposed_loops_keep_margins_stiffness_and_integral_gain(path):
+@pytest.mark.parametrize("name", SERVOS)
+def test_proposed_loops_keep_margins_stiffness_and_integral_gain(name):
     """A loop that settles sooner but yields to the cutting force would be recommended."""
-    cascades = cascade_family(read_profile(path))
+    cascades = cascade_family(read_shipped(name).machine)
     found = propose_cascades(cascades)
     classic = found.classic
     assert classic is not None
@@ -154,10 +155,10 @@ def test_proposed_loops_keep_margins_stiffness_and_integral_gain(path):
             assert gain == float(f"{gain:.4g}")
 
 
-@pytest.mark.parametrize("path", PROFILES[::3], ids=lambda path: path.stem)
-def test_one_step_more_of_Kp_lacks_the_margins(path):
+@pytest.mark.parametrize("name", SERVOS[::3])
+def test_one_step_more_of_Kp_lacks_the_margins(name):
     """Kp would be lower than need be, and the axis softer: seen by the whole loop."""
-    machine = read_profile(path)
+    machine = read_shipped(name).machine
     free = replace(machine.control, velocity_gain=None, position_gain=None, integral_time=None)
     machine = replace(machine, control=replace(free, force_filters=(), minimum_bandwidth_hz=0.0))
     family = cascade_family(machine)

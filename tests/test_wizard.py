@@ -24,6 +24,7 @@ from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.plant.modal import Modal
 from mtcommission.machine.profile.read import parse_profile, read_profile
+from mtcommission.machine.profile.shipped import read_shipped, shipped_names
 from mtcommission.wizard.answers import (
     MODAL,
     PAIR_BY_FREQUENCY,
@@ -40,7 +41,6 @@ from mtcommission.wizard.script import find_question, list_questions, list_settl
 from mtcommission.wizard.session import Console, Ending, find_insights, run_wizard
 from tests import identify_files as made
 
-PROFILES = Path(__file__).parent.parent / "profiles"
 THIN = "\N{NARROW NO-BREAK SPACE}"
 ENGLISH = Catalogue("en")
 WAYS = (*PAIRS, MODAL, TOWER)
@@ -48,11 +48,11 @@ WAYS = (*PAIRS, MODAL, TOWER)
 
 def mechanical(machine: Machine) -> Machine:
     """What the wizard asks for: not the paper's weights, nor what was assumed."""
-    plain = read_profile(PROFILES / "modal-two-modes.toml").damping_optimal
+    plain = read_shipped("modal-two-modes").machine.damping_optimal
     return replace(machine, assumed=(), damping_optimal=plain)
 
 
-SHIPPED = mechanical(read_profile(PROFILES / "milling-manipulator.toml"))
+SHIPPED = mechanical(read_shipped("milling-manipulator").machine)
 
 PAPER = """\
 Milling machine workpiece manipulator
@@ -395,17 +395,17 @@ def test_wrong_answers_write_nothing_and_are_located_in_their_file(old, new, sai
 
 def test_every_shipped_profile_survives_the_wizard(tmp_path):
     """Opened again without changes, a profile keeps every byte, and asks nothing."""
-    for path in sorted(PROFILES.glob("*.toml")):
-        copy = tmp_path / path.name
-        copy.write_bytes(path.read_bytes())
+    for name in shipped_names():
+        copy, text = tmp_path / f"{name}.toml", read_shipped(name).text
+        copy.write_text(text, "utf-8", newline="")
         talk(copy, "\n")
-        assert copy.read_bytes() == path.read_bytes()
+        assert copy.read_bytes() == text.encode()
 
 
 def test_an_assumed_key_goes_when_its_value_is_stated(tmp_path):
     """Windows line ends and all other lines stay; a table that was assumed falls into its keys."""
     path = tmp_path / "p.toml"
-    text = (PROFILES / "modal-two-modes.toml").read_text("utf-8")
+    text = read_shipped("modal-two-modes").text
     text = text.replace("illustrative = true", 'illustrative = true\nassumed = ["drive"] # mine')
     path.write_text(text, "utf-8", newline="\r\n")
     before = path.read_bytes()
@@ -419,7 +419,7 @@ def test_an_assumed_key_goes_when_its_value_is_stated(tmp_path):
 
 
 def test_another_kind_of_mechanics_replaces_the_old_one():
-    text = (PROFILES / "milling-manipulator.toml").read_text("utf-8")
+    text = read_shipped("milling-manipulator").text
     answers = {key: value for key, value in to_answers(tomllib.loads(text)).items()
                if not key.startswith("damping_optimal.weights")}  # fmt: skip
     answers |= PAIR_ON_SCREW | {"wizard.way": PAIR_BY_STIFFNESS, "pair.stiffness": "1 N/um"}
@@ -431,7 +431,7 @@ def test_another_kind_of_mechanics_replaces_the_old_one():
 def test_a_broken_profile_is_mended_by_the_wizard(tmp_path):
     """Opened with wrong values in it, the wizard says so and asks; it must not fail on them."""
     path = tmp_path / "p.toml"
-    text = (PROFILES / "milling-manipulator.toml").read_text("utf-8")
+    text = read_shipped("milling-manipulator").text
     path.write_text(text.replace('"450 kg"', '"450 m"').replace('"2 kN"', '"much"'), "utf-8")
     _, said = talk(path, "\n450 kg\n\n2 kN\n\n", is_interactive=True)
     assert "Not possible: drive.max_force" in said
