@@ -62,7 +62,7 @@ def test_every_row_is_explained(found: Validation) -> None:
 
 def test_numbers_are_judged_by_their_tolerance() -> None:
     def verdict(
-        printed: float, ours: float, correct: float | None = None, literal: float | None = None
+        printed: float, ours: float, correct: float | str = "", literal: float | None = None
     ) -> Verdict:
         source = Number("increase", "5.2", printed, correct=correct)
         return source.beside(ours, 0.1, literal=literal).verdict

@@ -58,8 +58,8 @@ class Number:
     place: str  # section and equation
     printed: float
     unit: str = ""  # SI; "" for a plain number
-    correct: float | Message | None = None
-    """What it must be, or the right name of what it is; None where it is no misprint."""
+    correct: float | str | Message = ""
+    """What it must be, or the right name of what it is; "" where it is no misprint."""
 
     def beside(
         self, ours: float, tolerance: float, *, literal: float | None = None, **values: Value
@@ -75,20 +75,18 @@ class Number:
         'corrected'
         """
         difference = (ours if literal is None else literal) - self.printed
-        verdict, corrected = Verdict.AGREES, None
+        verdict = Verdict.AGREES
         if not abs(difference) <= tolerance:
             difference = ours - (self.correct if isinstance(self.correct, float) else self.printed)
-            is_repaired = self.correct is not None and abs(difference) <= tolerance
+            is_repaired = self.correct != "" and abs(difference) <= tolerance
             verdict = Verdict.CORRECTED if is_repaired else Verdict.OUT
-            corrected = self.correct
         return Row(
             source=self,
-            corrected=corrected or "",
+            verdict=verdict,
+            values=values,
             ours=float(ours),
             difference=float(difference),
             tolerance=float(tolerance),
-            verdict=verdict,
-            values=values,
         )
 
 
@@ -112,7 +110,7 @@ class Claim:
         verdict = Verdict.DIFFERS if refuted else Verdict.OUT
         if holds:
             verdict = Verdict.CORRECTED if self.correct else Verdict.AGREES
-        return Row(source=self, corrected=self.correct, verdict=verdict, values=values)
+        return Row(source=self, verdict=verdict, values=values)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -120,12 +118,11 @@ class Row:
     """A number or claim beside ours; numbers in the unit of the print, nan for a claim."""
 
     source: Number | Claim
-    corrected: float | str | Message = ""  # "" where nothing had to be
+    verdict: Verdict
+    values: Mapping[str, Value]  # of which its texts speak
     ours: float = nan
     difference: float = nan  # ours less the printed (or corrected) value
     tolerance: float = nan  # largest |difference| that agrees
-    verdict: Verdict
-    values: Mapping[str, Value]  # of which its texts speak
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -167,7 +164,7 @@ def tell(row: Row, words: Catalogue) -> Told:
         quantity=say(""),
         unit=source.unit if isinstance(source, Number) else "",
         printed=show(source.printed),
-        corrected=show(row.corrected),
+        corrected="" if row.verdict is Verdict.AGREES else show(source.correct),
         # Two digits where the printed number is 0: the rest is rounding.
         ours=say(".ours") or show(row.ours, 7 if source.printed else 2),
         basis=say(".basis"),
