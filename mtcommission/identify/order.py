@@ -134,6 +134,9 @@ BROADEST = 0.2
 """Damping ratio beyond which a term is background, no mode."""
 SUSPICIOUS = 5e-3
 """Error of the model beyond which a second start is worth its time."""
+HOPELESS = 0.25
+"""Error of the model beyond which, after two starts, no other one is tried: the band holds more
+than modes (empirical: on 200 axes of the survey the better of two misses 2 % at most)."""
 WHITE = 1.25
 """Correlation length below which residuals have no shape left."""
 FIRST_LAG = 1e-4
@@ -193,7 +196,8 @@ class _Search:
         # Background, or more misfit than noise: the search may have gone astray with the delay.
         tried = [found]
         for delays, lags in ((slopes, none), (none, none), (none, none + LONG_LAG)):
-            if tried[-1].is_good:
+            astray = [one.model_error > HOPELESS for one in tried]
+            if tried[-1].is_good or (len(astray) > 1 and all(astray)):
                 break
             tried.append(self._from(delays, lags, holds_delay=not lags.any()))
         if len(tried) == 1:
