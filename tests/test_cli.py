@@ -442,9 +442,9 @@ def test_an_own_stream_that_leads_into_a_file_keeps_what_is_in_it(tmp_path):
     begin = [sys.executable, "-m", "mtcommission", "optimal", str(PAPER), "--kind", "time"]
     with log.open("ab") as out:
         subprocess.run([*begin, "--csv", "/dev/stdout"], stdout=out, check=True)
-    text = log.read_text("utf-8")
+    text = log.read_text("utf-8").replace("\u202f", " ")
     assert text.startswith("kept\nt,F_set,")
-    assert "Time-optimal control" in text  # the table, behind it
+    assert "Time-optimal control\nMove 1 (velocity step 0.1 m/s): t_f" in text  # behind it
 
 
 def test_a_terminal_shows_the_limits_before_what_takes_longer(run, monkeypatch):

@@ -208,6 +208,18 @@ def test_the_plots_show_the_numbers_of_the_record():
     )
 
 
+def test_the_worst_size_that_page_one_names_is_marked_where_the_sizes_are_drawn():
+    """It may be far smaller than the least that is drawn as a curve."""
+    record = shipped_record("ball-screw")
+    worst = record["limits"]["recommended"]["worst_sizes"][0]
+    (panel,) = next(p for p in plots(compose(record)) if p.key == "sizes-1").panels
+    mark, curves = panel.lines[-1], panel.lines[:-1]
+    assert mark.x == pytest.approx([1e3 * worst["size"]] * 2)
+    assert mark.y.max() == pytest.approx(1e6 * worst["value"])
+    assert min(mark.x) < min(line.x.min() for line in curves)
+    assert any(mark.label in cell for cell in text_cells(compose(record)))
+
+
 def test_what_did_not_settle_is_said_and_never_a_number():
     record = unsettled_record()
     document = compose(record)

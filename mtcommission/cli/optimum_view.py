@@ -6,8 +6,10 @@ from math import isfinite, isnan
 
 from mtcommission.base.messages.catalogue import NAME, Catalogue
 from mtcommission.base.messages.message import Message
+from mtcommission.base.messages.quantities import pretty_unit
 from mtcommission.cli.terminal import Line, heading, heads, table
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.moves import Move
 from mtcommission.machine.plant.plant import Plant
 from mtcommission.optimal.control import (
     TIGHT_GAP,
@@ -23,6 +25,8 @@ from mtcommission.optimal.control import (
     excess_velocity,
     join_arcs,
 )
+from mtcommission.sheet.tables import capitalised
+from mtcommission.sheet.verdict import move_title, say_move
 
 SHOWN_ARCS = 24
 """Arcs printed; a transcription has hundreds."""
@@ -52,18 +56,20 @@ def describe_optimum(
     if len(joined) > SHOWN_ARCS:
         more = spoken.text("terminal-more-arcs", count=len(joined) - SHOWN_ARCS)
         arcs.append(["...", more, spoken.text("terminal-see-json"), ""])
-    errors = dict(zip(plant.states, solution.terminal_error.tolist(), strict=True))
+    missed = (spoken.format.plain(one, 1, "e") for one in solution.terminal_error.tolist())
+    errors = dict(zip(plant.states, missed, strict=True))
     signals = zip(plant.signals, plant.signal_units, solution.peaks.tolist(), strict=True)
     peaks = [
         [spoken.name(name), spoken.format.quantity(peak, unit),
-         f"{spoken.format.plain(errors[name], 1, 'e')} {unit}" if name in errors else ""]
+         f"{errors[name]} {pretty_unit(unit)}" if name in errors else ""]
         for name, unit, peak in signals
     ]  # fmt: skip
     first = Message(
         "terminal-final-time",
+        move=_say_move(machine, solution.move, spoken),
         t_f=_ms(spoken, solution.t_f),
         force=solution.force_limit,
-        unit=machine.axis_units.force.si,
+        unit=pretty_unit(machine.axis_units.force.si),
         method=Message(f"method-{solution.method}"),
     )
     lines = [first, *_limit_lines(plant, solution, spoken)]
@@ -78,6 +84,13 @@ def describe_optimum(
         *table(heads(spoken, "arc", "from", "to", "word-f-set"), arcs),
         *table(heads(spoken, "signal-head", "peak-deviation", "terminal-error"), peaks),
     ]
+
+
+def _say_move(machine: Machine, move: Move, spoken: Catalogue) -> str:
+    """The move, with its number where it is one of the profile's."""
+    if move in machine.moves:
+        return move_title(move, machine.moves.index(move) + 1, spoken)
+    return capitalised(say_move(move, spoken))
 
 
 def _proof_lines(solution: AnyOptimum, proof: Certificate, spoken: Catalogue) -> list[Message]:
@@ -170,7 +183,7 @@ def _velocity_lines(plant: Plant, solution: AnyOptimum) -> list[Message]:
 
 
 def _squared(unit: str) -> str:
-    return f"({unit})^2" if set(unit) & set(" /^") else f"{unit}^2"
+    return pretty_unit(f"({unit})^2" if set(unit) & set(" /^") else f"{unit}^2")
 
 
 def _limit_lines(plant: Plant, solution: AnyOptimum, spoken: Catalogue) -> list[Message]:

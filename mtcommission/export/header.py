@@ -14,10 +14,14 @@ from mtcommission.controls.wording import name_control, show_value, to_ascii
 from mtcommission.export.held import Judged
 from mtcommission.export.subject import Subject
 from mtcommission.limits.judge import Candidate
+from mtcommission.loop.tuning.gains import believed_mass
 from mtcommission.record.machine import ACCEPTED_DEFAULT, Profile
 from mtcommission.record.record import Record, Tool
 from mtcommission.record.shape import Words
 from mtcommission.study.attainable import ModeLimits
+
+SAME = 1e-6
+"""Relative difference below which a mass of the feed-forward is the one that tuning takes."""
 
 
 def compose_header(
@@ -55,12 +59,13 @@ def say_axis(subject: Subject, judged: Judged) -> Iterator[Message]:
     """Yield what the text does to the axis, and what it lacks."""
     yield say_verdict(judged)
     needs = subject.machine.requirements
-    low, high = needs.payload
+    (low, high), mass = needs.payload, subject.controller.feedforward_mass
+    is_middle = abs(mass / believed_mass(subject.machine) - 1.0) < SAME
     yield Message(
         "export-corners",
         frequency=needs.frequency_spread,
         damping=needs.damping_spread,
-        payload="yes" if high > 0.0 else "no",
+        payload="no" if high <= 0.0 else "middle" if is_middle else "yes",
         low=low,
         high=high,
     )

@@ -195,11 +195,13 @@ def _of_response(one: FittedResponse, fit: Fitted) -> MeasuredResponseEntry:
     if response.coherence is not None:
         coherence = np.interp(f[chosen], response.frequency_hz, response.coherence)
     length, force = ("rad", "N m") if response.rotary else ("m", "N")
-    rate = {Signal.POSITION: "", Signal.VELOCITY: "/s", Signal.ACCELERATION: "/s²"}
+    rates = {Signal.POSITION: "", Signal.VELOCITY: "/s", Signal.ACCELERATION: "/s²"}
+    rate = f"{length}{rates[response.output]}"
     by = force if response.input is Signal.FORCE else f"{length}/s²"
+    shown, over = (f"({one})" if set(one) & set("/ ") else one for one in (rate, by))
     return MeasuredResponseEntry(
         name=response.source.name,
-        unit=f"{length}{rate[response.output]} / ({by})",
+        unit=f"{shown}/{over}",
         misfit=fit.misfit,
         frequency_hz=_rounded(f[chosen]),
         magnitude=_rounded(np.abs(values)),

@@ -64,8 +64,8 @@ def jerk_column(shortest: float, words: Catalogue, *, width: float = 1.5) -> Qua
 def limits_columns(shortest: float, words: Catalogue) -> tuple[Quantity, ...]:
     """Return what limits are, what they give, and whether that meets all requirements."""
     return (
-        replace(ACCELERATION, width=1.2),
-        jerk_column(shortest, words),
+        replace(ACCELERATION, width=1.32),
+        jerk_column(shortest, words, width=1.4),
         replace(SETTLING, width=1.2),
         replace(RESIDUAL, width=1.2),
         replace(PEAK, width=1.2),
@@ -93,7 +93,7 @@ def other_limits(record: Record, words: Catalogue) -> Iterator[Block]:
         *([(_listed_name(listed, part, words), listed)] if listed else []),
         *((words.say(item.name), item) for item in serving),
     ]
-    name = Quantity("limits-name", lambda it: it[0], width=2.3)
+    name = Quantity("limits-name", lambda it: it[0], width=2.28)
 
     def known(quantity: Quantity) -> Quantity:
         """What today's values give is not known where they cannot be judged."""

@@ -101,7 +101,7 @@ def loop_details(record: Record, words: Catalogue) -> Iterator[Block]:
             Quantity("reference-delay", "reference_delay", "s"),
             Quantity("rule-symbol-m-ff", "feedforward.mass", "kg", width=1.6),
         )
-        yield table(words, "", values, [loop])
+        yield table(words, "loop-in-use", values, [loop])
         yield from _variants(record, words)
         yield from _corners(record, words)
         yield _delays(record, words)

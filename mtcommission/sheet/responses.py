@@ -12,6 +12,7 @@ import numpy as np
 
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
+from mtcommission.limits.requirements import RESIDUAL_DEVIATION
 from mtcommission.machine.moves import size_unit
 from mtcommission.record.limits import MoveSizesEntry
 from mtcommission.record.moves import MoveEntry, Series
@@ -23,6 +24,7 @@ from mtcommission.sheet.limits import jerk_column, other_limits
 from mtcommission.sheet.plots import (
     FOURTH,
     MAIN,
+    MARGIN,
     OTHER,
     SETPOINT,
     THIRD,
@@ -39,7 +41,13 @@ from mtcommission.sheet.tables import (
     show,
     table,
 )
-from mtcommission.sheet.verdict import find_band, move_title, reference_sentence, slowest_move
+from mtcommission.sheet.verdict import (
+    find_band,
+    move_title,
+    reference_sentence,
+    slowest_move,
+    worst_sizes,
+)
 from mtcommission.study.improvements import Improvement
 
 MOST_CHANGES = 5
@@ -47,6 +55,9 @@ MOST_CHANGES = 5
 
 NO_BAND = ("band-saves-nothing", "band-wider-than-move", "band-optimum-failed")
 """Remarks on why there is no optimum with the band in place of exact rest."""
+
+SHORT = 0.9
+"""Where the mark of the worst size begins, over its value."""
 
 WAYS: dict[Words, int] = {
     Message("way-recommended"): MAIN,
@@ -304,6 +315,11 @@ def _size_plot(record: Record, number: int, words: Catalogue) -> Iterator[LinePl
     curves = [
         Curve(words.say(one.way), one.size, one.residual_deviation, WAYS.get(one.way, SETPOINT))
         for one in ways
+    ]
+    curves += [
+        Curve(said, [worst.size] * 2, [SHORT * worst.value, worst.value], MARGIN)
+        for worst, said in worst_sizes(record, words)
+        if (worst.requirement, worst.move) == (RESIDUAL_DEVIATION.key, number)
     ]
     limits = () if permitted is None else (permitted,)
     residual = Signals(name=text("residual"), unit="m", curves=curves, limits=limits)

@@ -155,7 +155,7 @@ def table(
     """
     columns, items = tuple(columns), tuple(items)
     return Table(
-        caption=words.text(caption, **values) if caption else "",
+        caption=capitalised(words.text(caption, **values)) if caption else "",
         columns=tuple(
             Column(head=one.head(words), width=one.width, is_number=one.unit is not None)
             for one in columns

@@ -56,6 +56,7 @@ from mtcommission.study.robustness import KeptRange
 if TYPE_CHECKING:
     from mtcommission.controls.syntax import Entry
     from mtcommission.record.exported import Export
+    from mtcommission.record.limits import WorstSizeEntry
     from mtcommission.record.read_back import AxisRecord
     from mtcommission.record.record import Record
 
@@ -257,7 +258,7 @@ def _warnings(record: Record, words: Catalogue) -> tuple[Paragraph, ...]:
 
 def _checks(record: Record, words: Catalogue) -> Table:
     name = Quantity("check", lambda one: capitalised(say_requirement(one.name, words)), width=1.8)
-    columns = (name, *check_columns(words), Quantity("where", "where", width=5.6))
+    columns = (name, *check_columns(words), Quantity("where", "where", width=5.45))
     checks = record.assessment.checks
     caption = "checks-caption" if _serves_listed(record) else "checks-any-size-caption"
     return table(words, caption, columns, checks, strong=lambda check: not check.met)
@@ -271,7 +272,7 @@ def check_columns(words: Catalogue) -> tuple[Quantity, ...]:
 
     return (
         Quantity("found", "value", unit_of, "not-settled", width=1.3),
-        Quantity("permitted", "limit", unit_of, width=1.3),
+        Quantity("permitted", "limit", unit_of, width=1.45),
         Quantity("share-used", lambda check: share_used(check, words), "%", width=1.05),
         Quantity("verdict", lambda check: verdict_on(check, words), width=1.25),
     )
@@ -359,16 +360,18 @@ def _meaning(entry: Entry, words: Catalogue) -> str:
 
 def move_title(move: Move, number: int, words: Catalogue) -> str:
     """Return e.g. "Move 1 (velocity step 100 mm/s)"."""
-    text = words.text
+    return f"{words.text('move', number=number)} ({say_move(move, words)})"
+
+
+def say_move(move: Move, words: Catalogue) -> str:
+    """Return e.g. "velocity step 100 mm/s"."""
     if isinstance(move, VelocityStep):
-        what = text("velocity-step", velocity=show(move.velocity_step, words, "m/s"))
-    else:
-        distance = show(move.distance, words, "m")
-        what = text("positioning", distance=distance)
-        if isfinite(move.max_velocity):
-            velocity = show(move.max_velocity, words, "m/s")
-            what = text("positioning-limited", distance=distance, velocity=velocity)
-    return f"{text('move', number=number)} ({what})"
+        return words.text("velocity-step", velocity=show(move.velocity_step, words, "m/s"))
+    distance = show(move.distance, words, "m")
+    if not isfinite(move.max_velocity):
+        return words.text("positioning", distance=distance)
+    velocity = show(move.max_velocity, words, "m/s")
+    return words.text("positioning-limited", distance=distance, velocity=velocity)
 
 
 def slowest_move(record: Record) -> int:
@@ -520,25 +523,33 @@ def _serves_listed(record: Record) -> bool:
 
 def _sizes(record: Record, words: Catalogue) -> str:
     text, f, limits = words.text, words.format, record.limits
-
-    def shown(move: Move, size: float) -> str:
-        return f.axis(size, size_unit(move))
-
-    moves, sizes = [item.move for item in record.moves], limits.recommended.valid_for
-    own = ", ".join(shown(move, item.largest) for move, item in zip(moves, sizes, strict=True))
+    sizes = enumerate(limits.recommended.valid_for)
+    own = ", ".join(_say_size(record, place, one.largest, words) for place, one in sizes)
     if _serves_listed(record):
         return text("sizes-listed", moves=own)
-    said = [text("sizes-every", moves=own)]
-    units = {check.name: check.unit for check in record.assessment.checks}
-    for worst in limits.recommended.worst_sizes:
-        if worst.bound is not None:  # else only some sizes were looked at
-            at, unit = shown(moves[worst.move - 1], worst.size), units[worst.requirement]
-            found, bound = f.quantity(worst.value, unit), f.quantity(worst.bound, unit)
-            said.append(text("sizes-worst", residual=found, size=at, bound=bound))
+    said = [text("sizes-every", moves=own), *(told for _, told in worst_sizes(record, words))]
     alone, together = limits.listed_only, limits.recommended.settling_time
     if alone and alone.settling_time and together and together > alone.settling_time:
         said.append(text("sizes-cost", cost=f.quantity(together - alone.settling_time, "s")))
     return "; ".join(said)
+
+
+def worst_sizes(record: Record, words: Catalogue) -> Iterator[tuple[WorstSizeEntry, str]]:
+    """Yield each worst size that is proved, and what is said of it."""
+    units = {check.name: check.unit for check in record.assessment.checks}
+    worst_of = [] if _serves_listed(record) else record.limits.recommended.worst_sizes
+    for worst in worst_of:
+        if worst.bound is not None:  # else only some sizes were looked at
+            size = _say_size(record, worst.move - 1, worst.size, words)
+            found, bound = (
+                words.format.quantity(value, units[worst.requirement])
+                for value in (worst.value, worst.bound)
+            )
+            yield worst, words.text("sizes-worst", residual=found, size=size, bound=bound)
+
+
+def _say_size(record: Record, place: int, size: float, words: Catalogue) -> str:
+    return words.format.axis(size, size_unit(record.moves[place].move))
 
 
 def _marked(record: Record, key: str, shown: str, words: Catalogue) -> str:

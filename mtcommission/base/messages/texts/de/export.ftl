@@ -21,6 +21,7 @@ export-unstable = der Regelkreis dieses Textes ist nicht stabil{ $lacking ->
 }: { $why }; das Profil mit control.kind = "{ $kind }" rechnen und erneut exportieren
 export-corners = Beurteilt für Eigenfrequenzen +- { PLAIN($frequency, digits: 3, unit: "%") } %, Dämpfungsgrade +- { PLAIN($damping, digits: 3, unit: "%") } %{ $payload ->
     [yes] , Zuladung { SI($low, "MASS") } bis { SI($high, "MASS") }
+    [middle] , Zuladung { SI($low, "MASS") } bis { SI($high, "MASS") } (Vorsteuerung und Verstärkungen für die Mitte)
    *[no] {""}
 }; die Reserve ist nicht abgezogen: es gilt der ganze erlaubte Wert.
 export-left-out = WEGGELASSEN ODER GEÄNDERT, weil diese Steuerung nichts anderes hat: { $features }. Einschwingzeit mit allem { $before }, mit diesem Text { $after }{ $cost ->
@@ -144,7 +145,7 @@ sinumerik-numerator-frequency = Eigenfrequenz des Zählers
 sinumerik-denominator-damping = Dämpfungsgrad des Nenners
 sinumerik-numerator-damping = Dämpfungsgrad des Zählers
 sinumerik-filter-kind = 1 Tiefpass, 2 zweite Ordnung mit Zähler; Reihenfolge der fünf Parameter
-sinumerik-dynamic-modes = DYNNORM und DYNPOS erhalten die Empfehlung, die anderen die Grenzwerte einer Bearbeitungsart, mit deren eigenem Band beurteilt. G0 nutzt gegebenenfalls MD32434/MD32435 (Faktoren), JOG nutzt MD32420/MD32430.
+sinumerik-dynamic-modes = DYNNORM und DYNPOS erhalten die Empfehlung, die anderen die Grenzwerte einer Bearbeitungsart, mit deren eigenem Band beurteilt; Beschleunigung und Ruck sind ein Paar: mehr Ruck kann weniger Beschleunigung heißen. G0 nutzt gegebenenfalls MD32434/MD32435 (Faktoren), JOG nutzt MD32420/MD32430.
 sinumerik-one-mode = DYNNORM und DYNPOS erhalten die Empfehlung; die übrigen Dynamikmodi behalten, was sie haben, und das wurde nicht beurteilt. G0 kann MD32434/MD32435 (Faktoren) verwenden, JOG verwendet MD32420/MD32430.
 sinumerik-path-jerk = Der Bahnruck MD20600 muss über den Achswerten liegen, sonst begrenzt er.
 sinumerik-turns = Beschleunigungen zählen in Umdrehungen, Lagen und Bänder in Grad.

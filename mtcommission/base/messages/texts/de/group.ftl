@@ -22,7 +22,7 @@ group-bound-delay = Toleranz: Verzögerungen
 group-bound-loop = Toleranz: Regelkreis
 group-bound-friction = Umkehrspitze
 group-where-circle = Radius { LENGTH($radius) } bei { FEED($feed) }
-group-check-circle = Kontur auf Kreisen
+group-check-circle = Kontur auf Kreisen, ohne Reibung
 group-where-line = Gerade unter { NUMBER($slope, digits: 2) }° bis { FEED($feed) }
 group-check-line = Kontur auf Geraden
 group-check-peak = Umkehrspitze, { $name }
@@ -89,7 +89,7 @@ group-part-path = Bahn aller Achsen
 group-export-not-met = DIE ACHSGRUPPE ERFÜLLT NICHT ALLE ANFORDERUNGEN: { $checks }.
 group-export-title = { $name }, Achsen { $axes }: aufeinander abgestimmte Grenzwerte und Regelkreise für { $control }
 # $radius: mm, $feed: m/min
-group-export-circle = Kreis, Radius { NUMBER($radius, digits: 4) } mm mit { NUMBER($feed, digits: 4) } m/min, aus diesem Text simuliert, ungünstigster Fall, ohne Reibung: Radius { $deviation }, Form { $form }; wie im Protokoll bis auf Rundung, um höchstens 0,1 um oder 1 %.
+group-export-circle = Kreis, Radius { NUMBER($radius, digits: 4) } mm mit { NUMBER($feed, digits: 4) } m/min, aus diesem Text simuliert, ungünstigster Fall, ohne Reibung: Radius { $deviation }, Form { $form }; wie in der Ergebnisdatei bis auf Rundung, um höchstens 0,1 um oder 1 %.
 group-export-other-circle = Kreis, Radius { NUMBER($radius, digits: 4) } mm mit { NUMBER($feed, digits: 4) } m/min, aus diesem Text simuliert, ungünstigster Fall, ohne Reibung: Radius { $deviation }, Form { $form }; NICHT WIE IM PROTOKOLL: Radius { $planned }, Form { $planned_form }. Der Steuerung fehlt, worauf die Gruppe baut, oder sie rundet es: die Profile für diese Steuerung rechnen.
 group-export-line = Geraden bis { NUMBER($feed, digits: 4) } m/min, aus diesem Text simuliert, in der schlechtesten Richtung: Abweichung { $deviation }.
 group-export-of = Achse { $name }: { $said }
@@ -117,7 +117,7 @@ group-squareness-unknown = Rechtwinkligkeit und ungleiche Verzögerungen sind mi
 group-one-direction = die Unrundheit kann ebenso vom Winkel der Achsen kommen, der dann um { NUMBER($squareness, digits: 3) } µm/m vom rechten abwiche; auch einen Kreis in der Gegenrichtung aufzeichnen
 group-radius-assumed = der programmierte Radius ist nicht bekannt, angenommen { LENGTH($radius) }; den Sollwert mit aufzeichnen oder den Ballbar kalibrieren
 group-peak-not-seen = in der Aufzeichnung liegt keine ganze Umkehr; den Kreis zweimal durchlaufen
-group-friction-unknown = das Protokoll nennt keine Reibung von { $name }: drive.coulomb_friction angeben und die Gruppe erneut rechnen
+group-friction-unknown = die Ergebnisdatei nennt keine Reibung von { $name }: drive.coulomb_friction angeben und die Gruppe erneut rechnen
 group-trace-radius = { $file }: kein Sollwert aufgezeichnet, als Radius wird { LENGTH($radius) } angenommen.
 group-trace-too-fast = { $file }: Dieser Kreis braucht { SI($got, "ACCELERATION") }, die Bahngrenze der Gruppe ist { SI($most, "ACCELERATION") }: Er wurde mit anderen Grenzwerten gefahren oder streckenweise langsamer.
 group-trace-columns = kein Kreis in den Spalten { $found }; gebraucht werden { $first } und { $second } (Istlagen, daneben { $first }_ref und { $second }_ref) oder angle und radius: mit --columns NAME=SPALTE benennen
@@ -132,7 +132,7 @@ group-plot-deviation = Abweichung des Radius
 group-line-measured = gemessen
 group-line-fitted = angepasst, ohne die Umkehrstellen
 group-line-predicted = vorhergesagt, Nennfall
-group-verify-one-axis = gilt für das Protokoll einer einzelnen Achse; bei einer Gruppe weglassen
+group-verify-one-axis = gilt für die Ergebnisdatei einer einzelnen Achse; bei einer Gruppe weglassen
 # Das Blatt.
 group-title = Achsgruppe
 group-axes-named = Achsen { $axes }
@@ -176,13 +176,13 @@ group-measured-least = Radialabweichung Fmin
 group-measured-circular = Kreisformabweichung G
 group-worst-radius = Fehler des mittleren Radius, ohne Reibung, ungünstigster Eckfall
 group-worst-form = Größter − kleinster Radius, ohne Reibung, ungünstigster Eckfall
-group-measure-centre = F und G nach ISO 230-4, nach kleinsten Quadraten zentriert; berechnet für die nominelle Maschine, mit Umkehrspitzen, ohne Geometrie (Rechtwinkligkeit, Steigungs- und Geradheitsfehler kommen hinzu).
+group-measure-centre = F und G nach ISO 230-4, nach kleinsten Quadraten zentriert; berechnet für die nominelle Maschine, mit Umkehrspitzen (die Anforderungen zählen sie für sich), ohne Geometrie (Rechtwinkligkeit, Steigungs- und Geradheitsfehler kommen hinzu).
 group-measure-turn = Im Uhrzeigersinn (G2) liegt eine Ellipse aus ungleichen Verzögerungen unter der anderen Diagonale; eine, die bleibt, ist ein Rechtwinkligkeitsfehler.
 group-measure-peaks = Spitzen stehen hinter der Umkehr, wo die Geschwindigkeit einer Achse ihr Vorzeichen wechselt: rechts und links die von { $first }, oben und unten die von { $second }.
 
 # Die interaktive Seite.
 group-page-heading = Vorschub, Radius und Ecke ausprobieren
-group-page-intro = Schieben oder tippen: Kreis und Ecke folgen, aus diesem Protokoll berechnet wie mit dem Befehl group.
+group-page-intro = Schieben oder tippen: Kreis und Ecke folgen, aus dieser Ergebnisdatei berechnet wie mit dem Befehl group.
 group-page-no-script = Das Ausprobieren braucht JavaScript.
 group-page-circle-caption = Kreis, Abweichung vergrößert
 group-page-circle-note = Nominelle Maschine, gegen den Uhrzeigersinn; gestrichelt: Toleranz. Umkehrspitzen liegen zwischen denen der berechneten Vorschübe.

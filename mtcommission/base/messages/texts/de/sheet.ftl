@@ -145,7 +145,7 @@ requirements-heading = Bewegungen und Anforderungen
 
 ## Limits
 
-limits-heading = Grenzwerte je Bearbeitungsart
+limits-heading = Grenzwerte je Bearbeitungsart, Beschleunigung und Ruck als Paare
 machining-mode = Bearbeitungsart
 machining-surface = Oberfläche (Schlichten)
 machining-accuracy = Genauigkeit
@@ -219,8 +219,8 @@ not-stated = nicht angegeben
 responses-heading = Zeitverläufe
 responses-caption = { $move }: Sollwert, Werkzeugabweichung, { word-force }; Nennmaschine
 yardstick-caption = { $axis ->
-    [rotary] Bewegungen der Nennmaschine neben den kürzesten Zeiten, die das Drehmoment erlaubt (länger um)
-   *[linear] Bewegungen der Nennmaschine neben den kürzesten Zeiten, die die { word-force } erlaubt (länger um)
+    [rotary] Bewegungen der Nennmaschine neben den kürzesten Zeiten, die das Drehmoment erlaubt (und wie viel länger jede dauert)
+   *[linear] Bewegungen der Nennmaschine neben den kürzesten Zeiten, die die { word-force } erlaubt (und wie viel länger jede dauert)
 }
 move-head = Bewegung
 exact-rest = Kürzeste Zeit, exakte Ruhe

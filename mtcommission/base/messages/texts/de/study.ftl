@@ -15,8 +15,8 @@ place-distance = Weg { LENGTH($size) }
 place-nominal = Nennfall
 place-state = Zustand { $name }
 place-payload = Zuladung { MASS($payload) }
-place-frequencies = Frequenzen × { NUMBER($factor, digits: 6) }
-place-damping = Dämpfung × { NUMBER($factor, digits: 6) }
+place-frequencies = Frequenzen × { NUMBER($factor, digits: 6) }
+place-damping = Dämpfung × { NUMBER($factor, digits: 6) }
 
 # choice of the loop
 with-state-feedback = mit Zustandsrückführung
@@ -26,12 +26,12 @@ time-value = { TIME($time) }
 state-feedback-chosen = Zustandsrückführung: beste Einschwingzeit { $with_it } mit ihr, { $without } ohne sie: sie wird verwendet.
 state-feedback-left-out = Zustandsrückführung: beste Einschwingzeit { $with_it } mit ihr, { $without } ohne sie: sie wird weggelassen.
 state-feedback-stiffness = Mit Zustandsrückführung ändert sich die dynamische Steifigkeit im ungünstigsten Eckfall um { CHANGE($change) }.
-state-feedback-would = Eine Zustandsrückführung (kind = "state-space" mit state_feedback = "auto"; keine andere Steuerung hat sie), die hier nicht verwendet wird, ließe die Bewegungen in { $with_it } statt { $without } einschwingen (dynamische Steifigkeit im ungünstigsten Eckfall: { CHANGE($change) }).
+state-feedback-would = Zustandsrückführung (kind = "state-space" mit state_feedback = "auto"; keine andere Steuerung hat sie), die hier nicht verwendet wird: Einschwingzeit { $with_it } mit ihr, { $without } ohne sie; dynamische Steifigkeit im ungünstigsten Eckfall { CHANGE($change) } mit ihr.
 loop-chosen = Von { $number } Regelkreisen mit den Reserven, keiner weicher als nach der klassischen Regel und keiner langsamer gegen { $axis ->
     [rotary] ein bleibendes Drehmoment
    *[other] eine bleibende { word-force }
 }, dient dieser den Bewegungen am besten; doppelte Steifigkeit zählt so viel wie 0,7 % der Einschwingzeit: { $settling } bei { STIFFNESS($stiffness, digits: 3) } dynamischer Steifigkeit im ungünstigsten Eckfall.
-loop-filters-used = Verwendet, weil das Profil force_filters offenlässt ([] hieße keine): { $filters }. Mit den klassischen Verhältnissen von Kv und Tn steigen Kp von { DAMPING($Kp, digits: 3) } auf { DAMPING($higher, digits: 3) } und die dynamische Steifigkeit von { STIFFNESS($stiffness, digits: 3) } auf { STIFFNESS($stiffer, digits: 3) } (ungünstigster Eckfall).
+loop-filters-used = Verwendet, weil das Profil force_filters offenlässt (force_filters = [] schaltet sie ab): { $filters }. Mit den klassischen Verhältnissen von Kv und Tn steigen Kp von { DAMPING($Kp, digits: 3) } auf { DAMPING($higher, digits: 3) } und die dynamische Steifigkeit von { STIFFNESS($stiffness, digits: 3) } auf { STIFFNESS($stiffer, digits: 3) } (ungünstigster Eckfall).
 loop-filter-notch = Bandsperre bei { FREQUENCY($frequency) }, Dämpfung { NUMBER($damping, digits: 3) } zu Breite { NUMBER($width, digits: 3) }
 loop-filter-low-pass = Tiefpass bei { FREQUENCY($frequency) }, Dämpfung { NUMBER($damping, digits: 3) }
 loop-no-filters = Keine Bandsperre und kein Tiefpass im { word-force-before }sollwert lässt Kp und dynamische Steifigkeit um 3 % steigen.
@@ -70,7 +70,7 @@ change-no-filters = kein Filter erlaubt ein höheres Kp
 change-lag = Halbe Verzögerung der { word-force-before }regelung
 change-dwell = Ruhezeit ab { TIME($dwell) } je Bewegung
 change-rest = Längere Ruhezeit nach jeder Bewegung
-change-spread = Frequenzen auf ± { SHARE($spread) } gemessen
+change-spread = Streuung der Frequenzen von ± { SHARE($spread) } (über Positionen und Zuladungen gemessen)
 change-state-feedback = Zustandsregelung mit Beobachter
 change-saves-little = spart weniger als { SHARE($share) } der Einschwingzeit
 change-without-margins = kein Kp hält die Reserven ein

@@ -2,7 +2,7 @@ terminal-head-seen = Vom Lagegeber gesehen
 terminal-head-tool-at-full-force = Werkzeug bei { word-f-max }
 terminal-head-frequencies = Freq.
 terminal-head-found = Höchstwert
-terminal-limits-listed = Grenzwerte, gelistet
+terminal-limits-listed = Gelistete Bewegungen
 terminal-check-any-size = Anforderung, jede Größe
 terminal-filter-with-limits = Filter, mit a und j einzugeben
 terminal-loop-today = Regelkreis heute: { $gains }.
@@ -34,7 +34,7 @@ terminal-arc-boundary = { $name }, { $side ->
 }
 terminal-more-arcs = { $count } weitere:
 terminal-see-json = siehe --json
-terminal-final-time = t_f = { $t_f } bei { word-f-max } = { PLAIN($force, digits: 6) } { $unit }, Verfahren { $method }
+terminal-final-time = { $move }: t_f = { $t_f } bei { word-f-max } = { PLAIN($force, digits: 6) } { $unit }, Verfahren { $method }.
 terminal-grid-proves-nothing = Ein Gitter beweist keine untere Schranke von t_f; --method exact tut es.
 terminal-lower-bound = Keine Steuerung ist schneller als { $bound } (relative Lücke { PLAIN($gap, digits: 1, style: "e") }).
 terminal-loose-proof = Höchstens { PLAIN($percent, digits: 1) } % langsamer als das Optimum; genaue Bögen wurden nicht gefunden.
@@ -46,12 +46,12 @@ terminal-final-time-of-profile = das des Profils (damping_optimal.t_f)
 terminal-final-time-by-default = das { PLAIN($factor, digits: 6) }-Fache von t_f,min: weder --t-f noch das Profil gibt eines an
 terminal-weight = { $state } { PLAIN($value, digits: 5) } { $unit }
 terminal-velocity-exceeded = max_velocity ist kein Teil dieses Optimums: |{ $name }| überschreitet sie um { PLAIN($percent, digits: 2) } %; --limit { $name }=... mit --method transcription hält sie ein.
-terminal-cost = Kosten { PLAIN($cost, digits: 9) } { $unit }; Gesetz (16) bis auf { PLAIN($residual, digits: 1, style: "e") } { word-f-max } erfüllt.
+terminal-cost = Kosten { PLAIN($cost, digits: 9) } { $unit }; Gesetz (16) der Veröffentlichung bis auf { PLAIN($residual, digits: 1, style: "e") } { word-f-max } erfüllt.
 terminal-reached = erreicht
 terminal-not-reached = nicht erreicht
 terminal-exceeded = zwischen den Punkten des Gitters um { PLAIN($percent, digits: 1) } % überschritten
 terminal-limit = Grenze: { $name } höchstens { $value }, { $acts }.
-terminal-touched = { $limit }, berührt bei { PLAIN($ms, digits: 4, style: "f") } ms
+terminal-touched = { $limit }, bei { PLAIN($ms, digits: 4, style: "f") } ms nur einen Augenblick berührt.
 terminal-more-touches = ... und { $count } weitere Berührpunkte: siehe --json
 terminal-assumed = Angenommen: { $what }.
 terminal-bound-by = Begrenzt durch: { $what }.
@@ -63,7 +63,7 @@ terminal-response = Antwort des Regelkreises
 terminal-simulated = Simuliert: a { $acceleration }, j { $jerk }, Sollwertfilter { $filter }; { $moves }.
 terminal-saturated = { $force } in der Begrenzung
 
-switching-law = Schaltgesetz { word-f-set } = -sign({ word-lambda }) { word-f-max }
+switching-law = Schaltgesetz { word-f-set } = -sign({ word-lambda }) { word-f-max } (lambda: Adjungierte, Empfindlichkeit von t_f gegen die Zustände)
 terminal-jerk-law = Schaltgesetz Ruck = -sign({ word-lambda }) j_max: { $holds ->
     [yes] gilt, wo keine Schranke gehalten wird
    *[no] nicht bestätigt

@@ -24,6 +24,7 @@ export-unstable = the loop of this text is not stable{ $lacking ->
 }: { $why }; run the profile with control.kind = "{ $kind }" and export again
 export-corners = Judged for frequencies +- { PLAIN($frequency, digits: 3, unit: "%") } %, damping ratios +- { PLAIN($damping, digits: 3, unit: "%") } %{ $payload ->
     [yes] , payload { SI($low, "MASS") } to { SI($high, "MASS") }
+    [middle] , payload { SI($low, "MASS") } to { SI($high, "MASS") } (feed-forward and gains for the middle)
    *[no] {""}
 }, and the reserve is not counted: all of each allowed value.
 export-left-out = LEFT OUT OR CHANGED, because this control has nothing else: { $features }. Settling time with all of it { $before }, with this text { $after }{ $cost ->
@@ -152,7 +153,7 @@ sinumerik-numerator-frequency = natural frequency of the numerator
 sinumerik-denominator-damping = damping ratio of the denominator
 sinumerik-numerator-damping = damping ratio of the numerator
 sinumerik-filter-kind = 1 low-pass, 2 second order with a numerator; order of the five parameters
-sinumerik-dynamic-modes = DYNNORM and DYNPOS get the recommendation, the others the limits of a machining mode, judged with its own band. G0 may use MD32434/MD32435 (factors), JOG uses MD32420/MD32430.
+sinumerik-dynamic-modes = DYNNORM and DYNPOS get the recommendation, the others the limits of a machining mode, judged with its own band; acceleration and jerk are a pair: more jerk can mean less acceleration. G0 may use MD32434/MD32435 (factors), JOG uses MD32420/MD32430.
 sinumerik-one-mode = DYNNORM and DYNPOS get the recommendation; the other dynamic modes keep what they hold, which was not judged. G0 may use MD32434/MD32435 (factors), JOG uses MD32420/MD32430.
 sinumerik-path-jerk = The path jerk MD20600 must stay above the axis values, or it limits instead.
 sinumerik-turns = Accelerations count in revolutions, positions and bands in degrees.

@@ -22,7 +22,7 @@ group-bound-delay = tolerance: unequal delays
 group-bound-loop = tolerance: loop
 group-bound-friction = peak at reversal
 group-where-circle = radius { LENGTH($radius) } at { FEED($feed) }
-group-check-circle = contour on circles
+group-check-circle = contour on circles, friction apart
 group-where-line = line at { NUMBER($slope, digits: 2) }° up to { FEED($feed) }
 group-check-line = contour on lines
 group-check-peak = peak at reversal, { $name }
@@ -176,7 +176,7 @@ group-measured-least = Radial deviation Fmin
 group-measured-circular = Circular deviation G
 group-worst-radius = Error of the mean radius, friction apart, worst corner
 group-worst-form = Largest − smallest radius, friction apart, worst corner
-group-measure-centre = F and G as in ISO 230-4, centred by least squares; calculated for the nominal machine, reversals included, geometry left out (squareness, pitch and straightness errors add to it).
+group-measure-centre = F and G as in ISO 230-4, centred by least squares; calculated for the nominal machine, peaks at reversal included (the requirements count them apart), geometry left out (squareness, pitch and straightness errors add to it).
 group-measure-turn = Clockwise (G2) an ellipse from unequal delays lies under the other diagonal; one that stays is squareness.
 group-measure-peaks = Peaks stand behind the reversals, where the sign of an axis' velocity changes: right and left those of { $first }, above and below those of { $second }.
 

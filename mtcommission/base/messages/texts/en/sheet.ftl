@@ -139,7 +139,7 @@ requirements-heading = Moves and requirements
 
 ## Limits
 
-limits-heading = Limits by machining mode
+limits-heading = Limits by machining mode, acceleration and jerk in pairs
 machining-mode = Machining mode
 machining-surface = Surface (finishing)
 machining-accuracy = Accuracy
@@ -206,7 +206,7 @@ not-stated = not stated
 
 responses-heading = Responses
 responses-caption = { $move }: setpoint, tool deviation, { word-force }; nominal machine
-yardstick-caption = Moves of the nominal machine beside the least times that the { word-force } allows (longer by)
+yardstick-caption = Moves of the nominal machine beside the least times that the { word-force } allows (how much longer each takes)
 move-head = Move
 exact-rest = Least time, exact rest
 within-band = Least time, in the band

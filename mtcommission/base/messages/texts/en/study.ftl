@@ -17,8 +17,8 @@ place-distance = distance of { LENGTH($size) }
 place-nominal = nominal
 place-state = state { $name }
 place-payload = payload { MASS($payload) }
-place-frequencies = frequencies × { NUMBER($factor, digits: 6) }
-place-damping = damping × { NUMBER($factor, digits: 6) }
+place-frequencies = frequencies × { NUMBER($factor, digits: 6) }
+place-damping = damping × { NUMBER($factor, digits: 6) }
 
 # choice of the loop
 with-state-feedback = with state feedback
@@ -28,11 +28,11 @@ time-value = { TIME($time) }
 state-feedback-chosen = State feedback: best settling time { $with_it } with it, { $without } without it: it is used.
 state-feedback-left-out = State feedback: best settling time { $with_it } with it, { $without } without it: it is left out.
 state-feedback-stiffness = With state feedback the dynamic stiffness in the worst corner changes by { CHANGE($change) }.
-state-feedback-would = State feedback (kind = "state-space" with state_feedback = "auto"; no other control has it), which is not used here, would let the moves settle in { $with_it } instead of { $without } (dynamic stiffness in the worst corner: { CHANGE($change) }).
+state-feedback-would = State feedback (kind = "state-space" with state_feedback = "auto"; no other control has it), which is not used here: settling time { $with_it } with it, { $without } without it; dynamic stiffness in the worst corner { CHANGE($change) } with it.
 # $number of loops tried; $later: what the stiffer tool may cost; $soonest: settling time of any
 loop-chosen = Of { $number } loops with the margins, none softer than by the classic rule and none slower against a lasting { word-force }, this one serves the moves best, twice the stiffness counting as much as 0.7 % of the settling time: { $settling } with { STIFFNESS($stiffness, digits: 3) } dynamic stiffness in the worst corner.
 # Filters of the set force that nobody asked for; $filters: the two messages that follow
-loop-filters-used = Used, since the profile leaves force_filters open ([] would mean none): { $filters }. With the classic ratios of Kv and Tn, Kp rises from { DAMPING($Kp, digits: 3) } to { DAMPING($higher, digits: 3) }, dynamic stiffness from { STIFFNESS($stiffness, digits: 3) } to { STIFFNESS($stiffer, digits: 3) } (worst corner).
+loop-filters-used = Used, since the profile leaves force_filters open (force_filters = [] turns them off): { $filters }. With the classic ratios of Kv and Tn, Kp rises from { DAMPING($Kp, digits: 3) } to { DAMPING($higher, digits: 3) }, dynamic stiffness from { STIFFNESS($stiffness, digits: 3) } to { STIFFNESS($stiffer, digits: 3) } (worst corner).
 loop-filter-notch = notch at { FREQUENCY($frequency) }, damping { NUMBER($damping, digits: 3) } over width { NUMBER($width, digits: 3) }
 loop-filter-low-pass = low-pass at { FREQUENCY($frequency) }, damping { NUMBER($damping, digits: 3) }
 loop-no-filters = No notch or low-pass in the { word-force } setpoint lets Kp and dynamic stiffness rise by 3 %.
@@ -68,7 +68,7 @@ change-no-filters = no filter lets Kp rise
 change-lag = Half the lag of the { word-force } loop
 change-dwell = Rest of { TIME($dwell) } or more after each move
 change-rest = Longer rest after each move
-change-spread = Frequencies measured to ± { SHARE($spread) }
+change-spread = Frequency spread of ± { SHARE($spread) } (measured over positions and payloads)
 change-state-feedback = State feedback with an observer
 change-saves-little = saves less than { SHARE($share) } of the settling time
 change-without-margins = no Kp keeps the margins

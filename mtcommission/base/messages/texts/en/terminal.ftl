@@ -36,7 +36,7 @@ terminal-arc-boundary = { $name }, { $side ->
 }
 terminal-more-arcs = { $count } more:
 terminal-see-json = see --json
-terminal-final-time = t_f = { $t_f } at { word-f-max } = { PLAIN($force, digits: 6) } { $unit }, method { $method }
+terminal-final-time = { $move }: t_f = { $t_f } at { word-f-max } = { PLAIN($force, digits: 6) } { $unit }, method { $method }.
 terminal-grid-proves-nothing = A grid proves no lower bound of t_f; --method exact does.
 terminal-lower-bound = No control is faster than { $bound } (relative gap { PLAIN($gap, digits: 1, style: "e") }).
 terminal-loose-proof = At most { PLAIN($percent, digits: 1) } % slower than the optimum; exact arcs were not found.
@@ -48,12 +48,12 @@ terminal-final-time-of-profile = that of the profile (damping_optimal.t_f)
 terminal-final-time-by-default = { PLAIN($factor, digits: 6) } times t_f,min: neither --t-f nor the profile gives one
 terminal-weight = { $state } { PLAIN($value, digits: 5) } { $unit }
 terminal-velocity-exceeded = max_velocity is no part of this optimum: |{ $name }| exceeds it by { PLAIN($percent, digits: 2) } %; --limit { $name }=... with --method transcription keeps it.
-terminal-cost = Cost { PLAIN($cost, digits: 9) } { $unit }; law (16) kept to { PLAIN($residual, digits: 1, style: "e") } { word-f-max }.
+terminal-cost = Cost { PLAIN($cost, digits: 9) } { $unit }; the law (16) of the paper kept to { PLAIN($residual, digits: 1, style: "e") } { word-f-max }.
 terminal-reached = reached
 terminal-not-reached = not reached
 terminal-exceeded = exceeded by { PLAIN($percent, digits: 1) } % between the points of the grid
 terminal-limit = Limit: { $name } at most { $value }, { $acts }.
-terminal-touched = { $limit }, touched at { PLAIN($ms, digits: 4, style: "f") } ms
+terminal-touched = { $limit }, touched for an instant at { PLAIN($ms, digits: 4, style: "f") } ms.
 terminal-more-touches = ... and { $count } touch points more: see --json
 terminal-assumed = Assumed: { $what }.
 terminal-bound-by = Bound by: { $what }.
@@ -67,7 +67,7 @@ terminal-response = Response of the loop
 terminal-simulated = Simulated: a { $acceleration }, j { $jerk }, setpoint filter { $filter }; { $moves }.
 terminal-saturated = { $force } saturated
 
-switching-law = Switching law { word-f-set } = -sign({ word-lambda }) { word-f-max }
+switching-law = Switching law { word-f-set } = -sign({ word-lambda }) { word-f-max } (lambda: adjoint, sensitivity of t_f to the states)
 # $grid, $boundary: yes or no
 terminal-jerk-law = Switching law jerk = -sign({ word-lambda }) j_max: { $holds ->
     [yes] holds where no bound is kept
