@@ -181,7 +181,7 @@ def test_a_damping_optimal_control_tells_where_its_numbers_are_from(run):
     assert "max_velocity is no part of this optimum" not in said[0]
     assert re.search(r"no part of this optimum: \|v\| exceeds it by 15 %", said[1])
     assert "Weights, balanced: Deflection of mode plate" in said[1]
-    assert "(N m)^2/(N m s^2)^2" in said[1]
+    assert "(N·m)²/(N·m·s²)²" in said[1]
 
 
 def test_a_grid_does_not_pretend_to_a_proof(run):

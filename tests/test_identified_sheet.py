@@ -94,7 +94,8 @@ def _section(part: IdentifiedPart, language: str = "en", **plant) -> str:
 def test_the_file_beside_the_profile_carries_points_and_states(profile):
     part, entry = _part(profile), json.loads((profile.parent / "axis.identified.json").read_text())
     (response,) = part.responses
-    assert response.unit == "(m/s)/N" and 100 < len(response.frequency_hz) <= 300
+    assert response.unit == "(m/s)/N"
+    assert 100 < len(response.frequency_hz) <= 300
     # A peak that is two lines wide is among the points.
     mode = part.modes[0]
     reach = mode.damping_ratio.value * mode.frequency_hz.value
