@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass
 
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
+from mtcommission.commission.recommend import recommend
 from mtcommission.optimal.control import TimeOptimum
 from mtcommission.sheet.document import Block, Bullets, Headline, LinePlot, Tone, note
 from mtcommission.sheet.html import set_parts
@@ -15,7 +16,7 @@ from mtcommission.sheet.plots import MOST_POINTS, Curve, Signals, line_plot
 from mtcommission.sheet.tables import Quantity, table
 from mtcommission.validate.cases import Cases, solve_cases, symbol
 from mtcommission.validate.damping import damping_rows, vibration_rows
-from mtcommission.validate.feedback import conclusion_rows, feedback_rows, tune
+from mtcommission.validate.feedback import conclusion_rows, feedback_rows
 from mtcommission.validate.paper import (
     FORCE_LIMIT,
     RATE_BOUND,
@@ -73,8 +74,8 @@ def validate(progress: Callable[[Message], None] = lambda _: None) -> Validation
     progress(Message("stage-optimal-controls"))
     cases = solve_cases()
     progress(Message("validate-stage-loops"))
-    axis = tune(cases.machine)
-    feedback = feedback_rows(cases, axis)
+    ours = recommend(cases.machine)
+    feedback = feedback_rows(cases, ours)
     progress(Message("validate-stage-switches"))
     parts = {
         "plant": plant_rows(cases),
@@ -84,7 +85,7 @@ def validate(progress: Callable[[Message], None] = lambda _: None) -> Validation
         "bound": bounded_rows(cases),
         "damping": damping_rows(cases),
         "vibration": vibration_rows(cases),
-        "conclusion": conclusion_rows(cases, axis),
+        "conclusion": conclusion_rows(cases, ours),
     }
     return Validation(cases=cases, parts=parts)
 
