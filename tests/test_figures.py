@@ -5,11 +5,15 @@ from __future__ import annotations
 import re
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from matplotlib.font_manager import FontProperties
+from matplotlib.textpath import TextPath
 
+from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.sheet.document import Border, Line, LinePlot, Panel
-from mtcommission.sheet.figures import ALONG, Axis, draw_svg
+from mtcommission.sheet.figures import ALONG, SIZE, Axis, draw_svg, text_width
 
 ENDS = st.tuples(st.floats(min_value=-1e6, max_value=1e6), st.floats(min_value=1e-6, max_value=1e6))
 
@@ -61,3 +65,13 @@ def test_a_curve_lies_where_its_numbers_are():
     y = (points[:, 1] - points[0, 1]) / (points[-1, 1] - points[0, 1])
     np.testing.assert_allclose(y, x**2, atol=2e-3)
     assert "a &amp; b" in svg
+
+
+@pytest.mark.parametrize("language", ["en", "de"])
+def test_names_of_curves_keep_to_their_room_in_the_legend(language):
+    """The room is estimated from the number of letters; the drawn word is the truth."""
+    font = FontProperties(family="DejaVu Sans")
+    for key in ("response", "control-damping-optimal", "closed-velocity", "recommended"):
+        words = Catalogue(language).text(key)
+        drawn = TextPath((0, 0), words, size=SIZE, prop=font, usetex=False).get_extents().width
+        assert drawn < text_width(words) + 8.0, words
