@@ -33,6 +33,7 @@ from tests.machines import paper_machine
 PROFILES = Path(__file__).parent.parent / "profiles"
 PAPER = PROFILES / "milling-manipulator.toml"
 BELT = str(PROFILES / "printer-belt.toml")
+HONING = PROFILES / "honing-z.toml"
 
 
 @pytest.mark.parametrize(
@@ -291,11 +292,11 @@ def test_a_terminal_in_german_has_no_english_words_and_breaks_none(run):
     assert "v_φ, obere Grenze" in optimum
     assert "exact," not in optimum
     assert "boundary" not in optimum
-    limits = run("limits", PAPER, *german)[1]
+    limits = run("limits", HONING, *german)[1]
     for word in ("Begrenzt durch", "Inbetriebnahmeregel ", "Einschw. "):
         assert word in limits, word
     assert "surface" not in limits
-    moved = run("simulate", PAPER, "--acceleration", "1", "--jerk", "20", *german)[1]
+    moved = run("simulate", HONING, "--acceleration", "1", "--jerk", "20", *german)[1]
     assert "zeta" not in moved
     assert run("export", "--control", "?", *german)[1].count("allgemeine Kaskade") == 1
 
@@ -325,7 +326,7 @@ def test_a_damping_optimal_control_names_its_limits(run):
 def test_simulate_and_limits_agree_with_each_other(run, tmp_path):
     """The limits that are recommended must do in `simulate` what `limits` says."""
     profile = tmp_path / "plain.toml"
-    text = PAPER.read_text("utf-8")
+    text = HONING.read_text("utf-8")
     assert "[control]" in text
     profile.write_text(text.replace("[control]", '[control]\nsetpoint_filter = "none"'), "utf-8")
     best = json.loads(run("limits", profile, "--json", "-")[1])["recommended"]
