@@ -118,6 +118,14 @@ def test_what_a_control_is_told_keeps_the_speed_of_every_corner(kind, joined):
     assert tell_corner(narrow, speeds, tolerance=10e-6, accelerations=a) == 0.0
 
 
+def test_a_corner_at_its_speed_leaves_the_tolerance(joined):
+    axes = turnings(joined.pair)
+    speeds = speeds_at_once(axes, tolerance=10e-6, feed=0.1)
+    offs = [corner_deviation(axes, one.angle, one.speed) for one in speeds if one.speed < 0.1]
+    assert len(offs) > 3
+    assert offs == pytest.approx([10e-6] * len(offs), rel=1e-6)
+
+
 # The second program
 
 
