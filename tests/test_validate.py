@@ -61,19 +61,16 @@ def test_every_row_is_explained(found: Validation) -> None:
 
 
 def test_numbers_are_judged_by_their_tolerance() -> None:
-    def verdict(
-        printed: float, ours: float, correct: float | str = "", literal: float | None = None
-    ) -> Verdict:
-        source = Number("increase", "5.2", printed, correct=correct)
-        return source.beside(ours, 0.1, literal=literal).verdict
+    def verdict(printed: float, ours: float, correct: float | str = "") -> Verdict:
+        return Number("increase", "5.2", printed, correct=correct).beside(ours, 0.1).verdict
 
     assert verdict(1.0, 1.09) is Verdict.AGREES
     assert verdict(1.0, 1.11) is Verdict.OUT
     assert verdict(1.0, float("nan")) is Verdict.OUT
     assert verdict(3.0, 1.05, correct=1.0) is Verdict.CORRECTED
     assert verdict(3.0, 2.0, correct=1.0) is Verdict.OUT
-    assert verdict(3.0, 3.05, 3.0, literal=0.0) is Verdict.CORRECTED
-    assert verdict(3.0, 1.0, 3.0, literal=0.0) is Verdict.OUT
+    assert verdict(3.0, 3.05, "another name") is Verdict.CORRECTED
+    assert verdict(3.0, 1.0, "another name") is Verdict.OUT
 
 
 def test_a_wrong_solver_is_caught(found: Validation) -> None:

@@ -61,25 +61,20 @@ class Number:
     correct: float | str | Message = ""
     """What it must be, or the right name of what it is; "" where it is no misprint."""
 
-    def beside(
-        self, ours: float, tolerance: float, *, literal: float | None = None, **values: Value
-    ) -> Row:
-        """Return it beside ours, which may differ by ``tolerance``.
+    def beside(self, ours: float, tolerance: float, **values: Value) -> Row:
+        """Return it beside ours, which may differ by ``tolerance`` from what the print must be.
 
-        ``literal``: ours of what the print names, where that is a wrong name; ``values``: of which
-        the texts speak.
+        ``values``: of which the texts speak.
 
         Examples
         --------
         >>> Number("increase", "5.2", 2.0, correct=1.0).beside(1.01, 0.1).verdict.value
         'corrected'
         """
-        difference = (ours if literal is None else literal) - self.printed
-        verdict = Verdict.AGREES
-        if not abs(difference) <= tolerance:
-            difference = ours - (self.correct if isinstance(self.correct, float) else self.printed)
-            is_repaired = self.correct != "" and abs(difference) <= tolerance
-            verdict = Verdict.CORRECTED if is_repaired else Verdict.OUT
+        difference = ours - (self.correct if isinstance(self.correct, float) else self.printed)
+        verdict = Verdict.OUT
+        if abs(difference) <= tolerance:
+            verdict = Verdict.AGREES if self.correct == "" else Verdict.CORRECTED
         return Row(
             source=self,
             verdict=verdict,
@@ -164,7 +159,7 @@ def tell(row: Row, words: Catalogue) -> Told:
         quantity=say(""),
         unit=source.unit if isinstance(source, Number) else "",
         printed=show(source.printed),
-        corrected="" if row.verdict is Verdict.AGREES else show(source.correct),
+        corrected=show(source.correct),
         # Two digits where the printed number is 0: the rest is rounding.
         ours=say(".ours") or show(row.ours, 7 if source.printed else 2),
         basis=say(".basis"),
