@@ -137,15 +137,24 @@ def tune_shape(family: LoopFamily, shape: Shape, *, largest: float) -> TunedLoop
     Kp begins at ``largest``, over the symmetrical optimum [-]. Without remarks and warnings; None
     if no Kp keeps the margins, or the given one does not.
     """
+
+    def close(fraction: float) -> TunedLoop:
+        gains = build(family, shape, fraction=fraction)
+        return replace(close_loop(family.bench, gains, family.grids), shape=shape)
+
     fraction = tune_on_grid(family, shape, largest=largest)
-    while fraction is not None and fraction > SEARCH.least:
-        tuned = close_loop(family.bench, build(family, shape, fraction=fraction), family.grids)
-        if tuned.keeps_margins:
-            return replace(tuned, shape=shape)
-        if family.machine.control.velocity_gain is not None:
-            return None
+    if fraction is None:
+        return None
+    tuned = close(fraction)
+    if tuned.keeps_margins or family.machine.control.velocity_gain is not None:
+        return tuned if tuned.keeps_margins else None
+    for _ in range(SEARCH.close_tries):
         fraction *= SEARCH.closer
-    return None
+        if (tuned := close(fraction)).keeps_margins:
+            return tuned
+    # The grid is far off.
+    found = find_largest(lambda one: close(one).keeps_margins, fraction, least=SEARCH.least)
+    return None if found is None else close(found)
 
 
 def tune_on_grid(family: LoopFamily, shape: Shape, *, largest: float) -> float | None:

@@ -73,6 +73,8 @@ class SearchSettings:
     closer: float = 0.995
     """Share of a gain that is tried next where the exact response misses the margins: the grid is
     coarser, which costs half a per cent or two (empirical)."""
+    close_tries: int = 3
+    """How often; then it is sought like the gain on the grid (empirical: one loop in a hundred)."""
     near: float = 2.0**0.5  # shapes near a good one: half a step of the coarse set, which doubles
     notch_places: tuple[float, ...] = (0.9, 1.0, 1.1)
     """Frequency of the notches tried, over that of the resonance."""

@@ -272,13 +272,13 @@ def _largest(family: LoopFamily, name: str, power: int) -> float | None:
     def seems(value: float) -> bool:
         return tune_on_grid(changed(value), CLASSIC, largest=1.0) is not None
 
+    def keeps(value: float) -> bool:
+        return tune_shape(changed(_round_down(value)), CLASSIC, largest=1.0) is not None
+
     given = float(getattr(family.machine.control, name) ** power)
     low = find_largest(seems, given, least=SEARCH.least * given)
-    if low is None:
-        return None
-    while tune_shape(changed(_round_down(low)), CLASSIC, largest=1.0) is None:
-        low *= SEARCH.closer
-    return float(_round_down(low) ** power)
+    low = low and find_largest(keeps, low, least=SEARCH.least * given)
+    return None if low is None else float(_round_down(low) ** power)
 
 
 def _round_down(value: float) -> float:
