@@ -64,15 +64,9 @@ FILTERS = {
 }
 
 
-def resized(move: Move, size: float) -> Move:
-    if isinstance(move, VelocityStep):
-        return replace(move, velocity_step=size)
-    return replace(move, distance=size)
-
-
 def residual_of(machine: Machine, tuned: TunedLoop, limits: MotionLimits, size: float) -> float:
     """Worst corner of one size, by the full simulation behind Ruckig."""
-    setpoint = plan_setpoint(resized(machine.moves[0], size), limits)
+    setpoint = plan_setpoint(resize(machine.moves[0], size), limits)
     drive = replace(machine.drive, max_force=1e12)
     band = machine.requirements.tcp_deviation
     found = [simulate(loop, setpoint, drive=drive, band=band) for loop in tuned.loops]
