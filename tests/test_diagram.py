@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from benchmarks.population import random_machine
 from mtcommission.controls.kind import PositionLoop
 from mtcommission.loop.analysis import scan
-from mtcommission.loop.disturbance import simulate_disturbance
 from mtcommission.loop.model.assembly import INPUTS, as_state_space
 from mtcommission.loop.model.diagram import build_lifted_model, build_open_loop
 from mtcommission.loop.tuning.gains import design_observer, feedback_gains, is_seen
@@ -100,20 +99,6 @@ def test_every_loop_is_the_diagram_s(seed):
     ours = scan([loop.plant], tuned.controller, [omega])[0].open_loop(tuned.controller)
     theirs = build_open_loop(loop.plant, tuned.controller)(np.exp(1j * omega * T_v))
     assert np.max(np.abs(ours / theirs - 1.0)) < 1e-9
-
-
-@pytest.mark.parametrize("seed", [1, 4])
-def test_a_step_of_force_moves_the_tool_as_in_the_diagram(seed):
-    """The curve on the sheet would belong to another loop, or to another line of force."""
-    tuned = tuned_member(seed)
-    loop, t = tuned.loops[0], np.arange(200) * tuned.controller.position_cycle
-    model = build_lifted_model(loop.plant, tuned.controller, model=loop.plant)
-    tool = [i for i, name in enumerate(model.output_labels) if name.startswith("tcp[")]
-    step = simulate_disturbance(loop, duration=t[-1])
-    push = np.vstack([np.zeros((4, len(t))), np.ones(len(t))])
-    theirs = control.forced_response(model, t, push, squeeze=False).outputs[tool].T.ravel()
-    theirs = theirs[: len(step.t)]
-    assert np.allclose(step.deflection, theirs, rtol=0.0, atol=1e-9 * step.peak)
 
 
 def test_model_of_a_tuned_loop_goes_on_in_python_control():
