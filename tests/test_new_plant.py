@@ -17,11 +17,8 @@ import pytest
 from mtcommission.base.errors import InputError
 from mtcommission.base.messages.message import Message
 from mtcommission.base.units.quantities import AxisUnits, Dimension
-from mtcommission.machine.checks import check_plausibility
 from mtcommission.machine.keys import Misfit, keyed
-from mtcommission.machine.machine import Corner, vary
 from mtcommission.machine.mechanics import KINDS, FlexibleMode, Mechanics, ModeStates, register
-from mtcommission.machine.plant.plant import build_plant, kalman_rank
 from mtcommission.machine.profile.describe import profile_schema, questions
 from mtcommission.machine.profile.read import parse_profile
 from mtcommission.machine.readers import MASSES, RATIOS, STIFFNESSES
@@ -124,19 +121,6 @@ OMEGA = sqrt(2e6 * 80 / (20 * 60))
 def kind(monkeypatch):
     monkeypatch.setitem(KINDS, Belt.kind, Belt)  # so that it is gone after the test
     register(Belt)
-
-
-def test_its_class_alone_gives_plant_corners_and_remarks():
-    machine = parse_profile(PROFILE, where="belt.toml")
-    plant = build_plant(vary(machine, Corner(frequency_factor=1.1)))
-    assert plant.states == ("x", "v", "q", "w", "F")
-    assert plant.modes[0].natural_frequency == pytest.approx(1.1 * OMEGA)
-    assert kalman_rank(plant) == 5
-    heavier = vary(machine, Corner(payload=20.0)).mechanics
-    assert heavier.moving_mass == pytest.approx(100.0)
-    assert heavier.modes[0].natural_frequency == pytest.approx(OMEGA)
-    weak = replace(machine, mechanics=replace(machine.mechanics, belt_damping=0.001))  # type: ignore[type-var]
-    assert any("belt" in str(remark) for remark in check_plausibility(weak))
 
 
 def test_its_faults_have_line_and_remedy_and_schema_and_questions_know_it():
