@@ -5,7 +5,7 @@ const sweepPage = (() => {
   const {columns, count, keys: varied, plotted, flag: flagName, template, words} = JSON.parse(document.getElementById("what-if-data").textContent);
   const id = key => document.getElementById(`wi-${key}`);
   const say = (key, ...values) => words[key].replace(/%(\d)/g, (_, place) => values[place - 1]);
-  const PAGE = 50, REACH = 20, TALL = 400;
+  const PAGE = 50, REACH = 20, TALL = 400, SHADES = 32;
   const PREFIXES = [[1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "µ"], [1e-9, "n"]];
 
   // ---- columns ----
@@ -100,7 +100,7 @@ const sweepPage = (() => {
     for (let row = 0; row < count; row++) {
       const a = xColumn.values[row];
       if (a === null || yColumn.values[row] === null || (isLog && a <= 0)) continue;
-      const point = at(row), place = `${Math.round(point[0])};${Math.round(point[1])};${flag[row]}`;
+      const point = at(row), place = 2 * (Math.round(point[0]) + 4096 * Math.round(point[1])) + (flag[row] ? 1 : 0);
       if (isCrowded && taken.has(place)) continue;
       taken.add(place);
       points.push(point);
@@ -123,8 +123,11 @@ const sweepPage = (() => {
     const found = new Map();
     xColumn.values.forEach((value, row) => {
       if (value === null || (isLog && value <= 0)) return;
-      const place = Math.round(x.at(value / xColumn.size)), one = found.get(place) ?? {good: 0, all: 0};
-      found.set(place, {good: one.good + (flag[row] ? 1 : 0), all: one.all + 1});
+      const place = Math.round(x.at(value / xColumn.size));
+      if (!found.has(place)) found.set(place, {good: 0, all: 0});
+      const one = found.get(place);
+      one.good += flag[row] ? 1 : 0;
+      one.all += 1;
     });
     const places = [...found.keys()].sort((a, b) => a - b);
     places.forEach((place, i) => {
@@ -178,22 +181,28 @@ const sweepPage = (() => {
   // The places of a key are its values in order, one step each; some are named.
   function drawMap(svg, head) {
     const [xColumn, yColumn] = keys, value = by.get(id("value").value), width = Math.max(300, Math.min(WIDE, svg.parentNode.clientWidth || WIDE));
-    const found = value.values.filter(one => one !== null), low = Math.min(...found), high = Math.max(...found);
+    const found = value.values.filter(one => one !== null), low = found.reduce((a, b) => Math.min(a, b), Infinity), high = found.reduce((a, b) => Math.max(a, b), -Infinity);
     const [xs, ys] = [xColumn, yColumn].map(column => [...variety.has(column) ? new Set(column.values) : []].sort((a, b) => a - b));
     const w = (width - LEFT - RIGHT) / xs.length, h = TALL / ys.length, middles = [];
     svg.replaceChildren();
     svg.setAttribute("viewBox", `0 0 ${width} ${TITLE + TALL + FOOT}`);
     head.textContent = say("over-two", value.title, xColumn.title, yColumn.title, show(low / value.size), show(high / value.size));
     const places = [xs, ys].map(list => new Map(list.map((one, i) => [one, i])));
+    // A path for each shade: a node for each of 100,000 cells would take seconds.
+    const shades = Array.from({length: SHADES}, () => ""), numbers = [];
+    let missed = "";
     for (let row = 0; row < count; row++) {
       const one = value.values[row], x = LEFT + w * places[0].get(xColumn.values[row]), y = TITLE + TALL - h * (places[1].get(yColumn.values[row]) + 1);
       middles.push([x + w / 2, y + h / 2, row]);
       if (one === null) continue;
-      const share = 0.05 + 0.8 * (one - low) / (high - low || 1);
-      add(svg, "rect", {class: "cell", "fill-opacity": share.toFixed(2), x, y, width: w, height: h});
-      if (w > 44 && h > 18) add(svg, "text", {class: share > 0.45 ? "dark" : "", x: x + w / 2, y: y + h / 2 + 4, "text-anchor": "middle"}, show(one / value.size));
-      if (!flag[row]) add(svg, "path", {class: "miss", d: `M${x + 2} ${y + 2}l${Math.min(w - 2, 6)} ${Math.min(h - 2, 6)}`});
+      const shade = Math.round((SHADES - 1) * (one - low) / (high - low || 1));
+      shades[shade] += `M${x.toFixed(1)} ${y.toFixed(1)}h${w.toFixed(2)}v${h.toFixed(2)}h${(-w).toFixed(2)}z`;
+      if (w > 44 && h > 18) numbers.push([x + w / 2, y + h / 2 + 4, shade, one]);
+      if (!flag[row]) missed += `M${x + 2} ${y + 2}l${Math.min(w - 2, 6)} ${Math.min(h - 2, 6)}`;
     }
+    shades.forEach((d, shade) => { if (d) add(svg, "path", {class: "cell", "fill-opacity": (0.05 + 0.8 * shade / (SHADES - 1)).toFixed(2), d}); });
+    numbers.forEach(([x, y, shade, one]) => add(svg, "text", {class: shade > SHADES / 2 ? "dark" : "", x, y, "text-anchor": "middle"}, show(one / value.size)));
+    add(svg, "path", {class: "miss", d: missed});
     const every = (step, room) => (_, i) => i % Math.ceil(room / step) === 0;
     xs.filter(every(w, 56)).forEach(one => add(svg, "text", {x: LEFT + w * (places[0].get(one) + 0.5), y: TITLE + TALL + 16, "text-anchor": "middle"}, show(one / xColumn.size)));
     ys.filter(every(h, 18)).forEach(one => add(svg, "text", {x: LEFT - 6, y: TITLE + TALL - h * (places[1].get(one) + 0.5) + 4, "text-anchor": "end"}, show(one / yColumn.size)));
