@@ -240,3 +240,13 @@ def test_gains_are_those_of_python_control(name, monkeypatch):
     tune_loop(auto)
     assert len(asked) >= 3  # the observer and both weights
     assert max(asked) < 1e-8
+
+
+def test_what_nothing_damps_has_no_gains():
+    """An oscillator beside the drive would get gains that leave it ringing, without a word."""
+    A = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
+    B, Q = np.array([0.0, 0.0, 1.0]), np.eye(3)
+    with pytest.raises(np.linalg.LinAlgError, match="damps every state"):
+        regulator_gains(A, B, Q)
+    with pytest.raises(np.linalg.LinAlgError, match="not finite"):
+        regulator_gains(A, B, np.diag([1.0, np.inf, 1.0]))
