@@ -79,14 +79,14 @@ def _axes(record: GroupRecord, spoken: Catalogue) -> list[Line]:
         return record.feedforward[axis.name].delay
 
     columns = (
-        Quantity("group-axis", "name"),
+        Quantity("axis-row", "name"),
         Quantity("acceleration", "limits.recommended.acceleration", "m/s^2"),
         Quantity("jerk", jerk, "m/s^3", "no-jerk-limit"),
         Quantity("group-wait", "wait", "s"),
         Quantity("group-delay", delay, "s"),
         Quantity("terminal-head-settling-time", "settling_time", "s", "not-settled"),
     )
-    return describe_table(table(spoken, "group-axis", columns, record.axes))
+    return describe_table(table(spoken, "axis-row", columns, record.axes))
 
 
 def _circles(record: GroupRecord, spoken: Catalogue) -> list[Line]:
@@ -103,4 +103,4 @@ def _circles(record: GroupRecord, spoken: Catalogue) -> list[Line]:
             for name in first.quadrant_peak
         ),
     )
-    return describe_table(table(spoken, "group-axis", columns, record.circle))
+    return describe_table(table(spoken, "axis-row", columns, record.circle))

@@ -200,7 +200,7 @@ def _limit_lines(plant: Plant, solution: AnyOptimum, spoken: Catalogue) -> list[
     if isfinite(solution.jerk_limit):
         value = spoken.format.quantity(solution.jerk_limit, plant.jerk_unit)
         acts = Message("terminal-reached")
-        lines.append(Message("terminal-limit", name=Message("limit-jerk"), value=value, acts=acts))
+        lines.append(Message("terminal-limit", name=Message("jerk"), value=value, acts=acts))
     return lines
 
 

@@ -48,9 +48,10 @@ class Entry:
     old: str = ""  # what the control holds now; "" where that is not known
 
     def meaning(self, words: Catalogue) -> str:
-        """Return what the parameter does, or nothing; in one line, whatever its names hold."""
+        """Return what the parameter does, or nothing where its name says it; in one line."""
         said = words.say(self.row.text) if self.row.text else ""
-        return " ".join(to_ascii(said).split())
+        plain = " ".join(to_ascii(said).split())  # whatever its names hold
+        return "" if plain.casefold() == self.row.name.casefold() else plain
 
     def remark(self, words: Catalogue) -> str:
         """Return unit, old value and meaning, for a comment."""

@@ -154,7 +154,7 @@ def first_page(record: GroupRecord, words: Catalogue) -> Iterator[Block]:
         words,
         "basis-caption",
         _rests_on(record, words),
-        first="group-axis",
+        first="axis-row",
         width=11.0,
     )
     # What is assumed of an axis alone stands below the pages, as on its own sheet.
@@ -335,7 +335,7 @@ def feeds_table(record: GroupRecord, words: Catalogue) -> Table:
     columns: tuple[Quantity, ...] = (
         Quantity("group-radius", "radius", "m"),
         Quantity(
-            "group-feed-of-circle",
+            "group-page-field-feed",
             lambda one: words.format.feed(one.feed) if one.feed else DASH,
             "",
         ),

@@ -56,7 +56,7 @@ MOST_CHANGES = 5
 NO_BAND = ("band-saves-nothing", "band-wider-than-move", "band-optimum-failed")
 """Remarks on why there is no optimum with the band in place of exact rest."""
 
-SHORT = 0.9
+SHORT = 0.5
 """Where the mark of the worst size begins, over its value."""
 
 WAYS: dict[Words, int] = {

@@ -258,7 +258,7 @@ def _warnings(record: Record, words: Catalogue) -> tuple[Paragraph, ...]:
 
 def _checks(record: Record, words: Catalogue) -> Table:
     name = Quantity("check", lambda one: capitalised(say_requirement(one.name, words)), width=1.8)
-    columns = (name, *check_columns(words), Quantity("where", "where", width=5.45))
+    columns = (name, *check_columns(words), Quantity("where", "where", width=5.35))
     checks = record.assessment.checks
     caption = "checks-caption" if _serves_listed(record) else "checks-any-size-caption"
     return table(words, caption, columns, checks, strong=lambda check: not check.met)
@@ -273,7 +273,7 @@ def check_columns(words: Catalogue) -> tuple[Quantity, ...]:
     return (
         Quantity("found", "value", unit_of, "not-settled", width=1.3),
         Quantity("permitted", "limit", unit_of, width=1.45),
-        Quantity("share-used", lambda check: share_used(check, words), "%", width=1.05),
+        Quantity("share-used", lambda check: share_used(check, words), "%", width=1.15),
         Quantity("verdict", lambda check: verdict_on(check, words), width=1.25),
     )
 
@@ -353,6 +353,8 @@ def show_typed(value: str, entry: Entry, words: Catalogue) -> str:
 
 def _meaning(entry: Entry, words: Catalogue) -> str:
     said = words.say(entry.row.text) if entry.row.text else ""
+    if said.casefold() == name_row(entry.row, words).casefold():  # the name says it
+        said = ""
     if entry.row.unit.startswith("rad/"):  # typed so, while the sheet counts in degrees
         said = f"{said}, {words.format.quantity(float(entry.value), entry.row.unit)}"
     return said if entry.row.is_verified else f"{said} {DOUBT}".strip()

@@ -14,7 +14,7 @@ from mtcommission.controls.syntax import MACHINE_DATA
 def _rows(axis: Axis, _loop: Values) -> Iterator[Row]:
     index = LETTERS.index(axis.letter(LETTERS[:6], "grblHAL"))
     yield axis.acceleration_row(f"${120 + index}")
-    yield axis.jerk_row(f"${800 + index}", "limit-jerk")
+    yield axis.jerk_row(f"${800 + index}", "jerk")
 
 
 CONTROL = Control(

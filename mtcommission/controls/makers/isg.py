@@ -16,7 +16,7 @@ from mtcommission.controls.row import Row, Setting, Values, at_corners, doubted,
 from mtcommission.controls.syntax import NAMED_LIST
 
 ACCELERATIONS = {
-    "a_beschl": "limit-acceleration",
+    "a_beschl": "acceleration",
     "a_brems": "limit-deceleration",
     "a_grenz": "isg-acceleration-at-rapid",
 }

@@ -13,9 +13,9 @@ from mtcommission.controls.syntax import CONSTANTS
 def constants(axis: Axis, _loop: Values) -> Iterator[Row]:
     """Yield the limits as constants of a program."""
     name = axis.identifier
-    yield axis.acceleration_row(f"c{name}_Acceleration", "limit-acceleration")
+    yield axis.acceleration_row(f"c{name}_Acceleration", "acceleration")
     yield axis.acceleration_row(f"c{name}_Deceleration", "limit-deceleration")
-    yield axis.jerk_row(f"c{name}_Jerk", "limit-jerk")
+    yield axis.jerk_row(f"c{name}_Jerk", "jerk")
 
 
 CONTROL = Control(

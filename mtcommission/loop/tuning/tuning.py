@@ -128,7 +128,7 @@ def finish(family: LoopFamily, tuned: TunedLoop) -> TunedLoop:
 
 def _explain_feedback(family: LoopFamily, tuned: TunedLoop) -> tuple[Message, ...]:
     model, sensors = family.bench.model, tuned.controller.sensors
-    seen = "loop-observed-encoder-and-tcp" if "tcp" in sensors else "loop-observed-encoder"
+    seen = "loop-observed-encoder-and-tcp" if "tcp" in sensors else "sensor-encoder"
     mode = moving_modes(model, sensors)[0]
     remark = Message(
         "loop-state-feedback",

@@ -70,7 +70,6 @@ group-corner-told = Ecken: { $kind ->
 group-corner-no-arc = Ecken: kein Bogen innerhalb der Toleranz ist schneller als ein sofortiger Richtungswechsel mit den Geschwindigkeiten über dem Winkel.
 group-corner-no-value = Ecken: mit den Geschwindigkeiten über dem Winkel fahren; ein Wert, der diese einhält, ist für diese Steuerung nicht bekannt.
 group-tolerance = Konturtoleranz { LENGTH($tolerance) } bis { FEED($feed) }
-group-axis = Achse
 
 # Export einer Gruppe: Was Steuerungen lesen, kommt ohne Sonderzeichen aus.
 group-row-wait = zusätzliche Verzögerung, mit der die Achse auf die langsamste wartet
@@ -166,7 +165,6 @@ group-circle-division = Ein Teilstrich: { $division }
 group-circle-turn = Gegen den Uhrzeigersinn (G3)
 group-circle-figures = { $feed }: F { $least } bis { $largest }, G { $circular }
 group-feeds-caption = Größter Vorschub auf Kreisen innerhalb { LENGTH($tolerance) }
-group-feed-of-circle = Vorschub
 group-corners-caption = Geschwindigkeit an Ecken (ungebremst: bei { FEED($feed) })
 group-corner-speed = Vorschub
 group-not-slowed = Ungebremst

@@ -12,7 +12,6 @@ loop-no-state-feedback = Keine Zustandsrückführung: { $detail }.
 loop-sees-no-mode = die Geber sehen keine Eigenform, die das Werkzeug bewegt
 loop-state-feedback-loses = keine hält die Reserven, minimum_bandwidth und die Steifigkeit der Kaskade nach der klassischen Regel ein
 loop-state-feedback = Zustandsrückführung (LQR um die Kaskade, Kalman-Beobachter an { $sensors }): Dämpfungsgrad der Eigenform { $mode } { NUMBER($own, digits: 3) } ohne Regelung, { NUMBER($feedback, digits: 3) } mit ihr.
-loop-observed-encoder = Lagegeber
 loop-observed-encoder-and-tcp = Lagegeber und TCP
 
 loop-lacks-bandwidth = der schnellste Regelkreis mit den Reserven hat { PLAIN($reached, digits: 3) } Hz, minimum_bandwidth ist { PLAIN($wanted, digits: 3) } Hz

@@ -219,8 +219,8 @@ not-stated = nicht angegeben
 responses-heading = Zeitverläufe
 responses-caption = { $move }: Sollwert, Werkzeugabweichung, { word-force }; Nennmaschine
 yardstick-caption = { $axis ->
-    [rotary] Bewegungen der Nennmaschine neben den kürzesten Zeiten, die das Drehmoment erlaubt (und wie viel länger jede dauert)
-   *[linear] Bewegungen der Nennmaschine neben den kürzesten Zeiten, die die { word-force } erlaubt (und wie viel länger jede dauert)
+    [rotary] Bewegungen der Nennmaschine neben den kürzesten Zeiten, die das Drehmoment erlaubt (um so viel länger)
+   *[linear] Bewegungen der Nennmaschine neben den kürzesten Zeiten, die die { word-force } erlaubt (um so viel länger)
 }
 move-head = Bewegung
 exact-rest = Kürzeste Zeit, exakte Ruhe

@@ -1,6 +1,8 @@
 terminal-head-seen = Vom Lagegeber gesehen
 terminal-head-tool-at-full-force = Werkzeug bei { word-f-max }
 terminal-head-frequencies = Freq.
+terminal-head-dampings = Dämpf.
+terminal-head-move-head = Bew.
 terminal-head-found = Höchstwert
 terminal-limits-listed = Gelistete Bewegungen
 terminal-check-any-size = Anforderung, jede Größe
@@ -61,7 +63,7 @@ terminal-more-notes-in-sheet = Weitere Hinweise: { $count }, siehe Blatt.
 terminal-more-notes-of-run = Weitere Hinweise: { $count }, im Blatt, das mtcommission run schreibt.
 terminal-response = Antwort des Regelkreises
 terminal-simulated = Simuliert: a { $acceleration }, j { $jerk }, Sollwertfilter { $filter }; { $moves }.
-terminal-saturated = { $force } in der Begrenzung
+terminal-saturated = { $force } begrenzt
 
 switching-law = Schaltgesetz { word-f-set } = -sign({ word-lambda }) { word-f-max } (lambda: Adjungierte, Empfindlichkeit von t_f gegen die Zustände)
 terminal-jerk-law = Schaltgesetz Ruck = -sign({ word-lambda }) j_max: { $holds ->

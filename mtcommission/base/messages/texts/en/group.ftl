@@ -70,7 +70,6 @@ group-corner-told = Corners: { $kind ->
 group-corner-no-arc = Corners: no arc within the tolerance is faster than to turn at once at the speeds over the angle.
 group-corner-no-value = Corners: pass them at the speeds over the angle; no value that keeps these is known for this control.
 group-tolerance = Contour tolerance { LENGTH($tolerance) } up to { FEED($feed) }
-group-axis = Axis
 
 # Export of a group: what controls read comes without special letters.
 group-row-wait = extra delay, by which the axis waits for the slowest
@@ -166,7 +165,6 @@ group-circle-division = One division: { $division }
 group-circle-turn = Counterclockwise (G3)
 group-circle-figures = { $feed }: F { $least } to { $largest }, G { $circular }
 group-feeds-caption = Largest feed of circles within { LENGTH($tolerance) }
-group-feed-of-circle = Feed
 group-corners-caption = Speed at corners (unslowed: at { FEED($feed) })
 group-corner-speed = Speed
 group-not-slowed = Unslowed

@@ -20,7 +20,6 @@ loop-no-state-feedback = No state feedback: { $detail }.
 loop-sees-no-mode = the sensors see no mode that moves the tool
 loop-state-feedback-loses = none keeps the margins, minimum_bandwidth and the stiffness of the cascade by the classic rule
 loop-state-feedback = State feedback (LQR around the cascade, Kalman observer on { $sensors }): damping ratio of mode { $mode } { NUMBER($own, digits: 3) } without control, { NUMBER($feedback, digits: 3) } with it.
-loop-observed-encoder = encoder
 loop-observed-encoder-and-tcp = encoder and tcp
 
 loop-lacks-bandwidth = the fastest loop with the margins has { PLAIN($reached, digits: 3) } Hz, minimum_bandwidth is { PLAIN($wanted, digits: 3) } Hz

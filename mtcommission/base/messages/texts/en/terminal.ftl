@@ -3,6 +3,8 @@
 terminal-head-seen = Seen by encoder
 terminal-head-tool-at-full-force = Tool at { word-f-max }
 terminal-head-frequencies = Freq.
+terminal-head-dampings = Damp.
+terminal-head-move-head = Move
 terminal-head-found = Largest
 terminal-limits-listed = Limits, listed moves
 terminal-check-any-size = Requirement, any size
