@@ -83,6 +83,12 @@ class Bench:
         each = [jerk_steps(move, acceleration=a, jerk=jerk).duration for move in self.machine.moves]
         return np.asarray(np.max(each, axis=0) + (item.duration if item else 0.0))
 
+    def ramps_reached(self, a: Array, t_j: Array | float) -> Array:
+        """Return the longest ramp of all listed moves, shape of ``a`` [s]."""
+        moves = self.machine.moves
+        each = [jerk_steps(move, acceleration=a, jerk=a / t_j).times[:, 1] for move in moves]
+        return np.asarray(np.minimum(np.max(each, axis=0), t_j))
+
     def use(self, item: SetpointFilter | None) -> Use:
         """Return what limits behind a filter use."""
         if item not in self.behind:
@@ -270,12 +276,13 @@ class Use:
         if worst.max(initial=0.0) <= NEAR:
             return worst
         if requirement.key not in bench.excess:
-            place, move = int(worst.argmax()), machine.moves[0]
+            # Where the bound is just used the loop adds what counts.
+            place, move = int(np.abs(np.log(np.maximum(worst, 1e-9))).argmin()), machine.moves[0]
             one = jerk_steps(move, acceleration=a[[place]], jerk=a[[place]] / float(t_j[place]))
             steps = filter_steps(one, self.item)
             exact = mean.exact(machine, bench.poles, move, steps, MEAN_CYCLES).max()
             excess = float(exact / mean.estimate(machine, move, steps)[0])
-            bench.excess[requirement.key] = max(excess, 1.0)
+            bench.excess[requirement.key] = excess
         return np.asarray(worst * np.where(worst > NEAR, bench.excess[requirement.key], 1.0))
 
     def of_rest(

@@ -52,9 +52,10 @@ from mtcommission.setpoint.smaller_moves import lay_sizes, plan_sizes, size_of
 Array = NDArray[np.float64]
 Places = NDArray[np.int64]
 
-CLOSER = ((0.25, 8.0), (0.035, 3.0), (0.005, 1.0))
+CLOSER = ((0.25, 8.0), (0.035, 3.0), (0.005, 1.0), (0.001, 0.25))
 """Shares of a bound by which a size between two that were looked at may exceed both [-]: at first,
-and ever closer where it may be the worst; and by how much coarser they may be laid at most."""
+and ever closer where it may be the worst; and by how much coarser they may be laid at most. The
+last one only where it decides."""
 
 LEFT = 1.3
 """Bounds that, left at a first look, need no second one [-]."""
@@ -182,12 +183,14 @@ class _Sizes:
         allowed, excess = requirement.bound(self.machine), inf
         sizes, left, corners = np.zeros(0), np.zeros(0), np.zeros(0, np.int64)
         for share, coarser in CLOSER:
+            if share == CLOSER[-1][0] and not self._is_open(requirement, left.max(), excess):
+                break
             between = list(families)
             close = [one.spacing(share * allowed) for one in between]
             is_open = families[0].jump > 0.0 or any(
                 h < low for h, low in zip(close, least, strict=True)
             )
-            is_cut = coarser == 1.0 and is_open and seen / poles.dt < MOST_SIZES
+            is_cut = coarser <= 1.0 and is_open and seen / poles.dt < MOST_SIZES
             if is_cut:
                 between, close = smooth, [one.spacing(share * allowed) for one in smooth]
             spacings = np.maximum(close, coarser * np.array(least))
@@ -215,6 +218,12 @@ class _Sizes:
             allowed = max(allowed, float(left.max()))
         worst = int(left.argmax())
         return float(sizes[worst]), (float(left[worst]), int(corners[worst])), excess
+
+    def _is_open(self, requirement: Requirement, left: float, excess: float) -> bool:
+        """Whether all sizes looked at keep the bound, and one between them might not."""
+        noise = worst_noise(self.poles.loops, self.machine.drive.encoder_resolution)
+        value, most = requirement.with_noise(np.array([left, left + excess]), noise).tolist()
+        return bool(value <= requirement.bound(self.machine) < most)
 
     def _left_of(self, move: Move, sizes: Array, signal: Signal) -> tuple[Array, Places]:
         """What is left of each size in its worst corner [own unit], and which that is."""

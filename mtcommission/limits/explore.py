@@ -19,15 +19,12 @@ from numpy.typing import NDArray
 
 from mtcommission.controls.kind import Jerk
 from mtcommission.limits.bench import Bench, Use
-from mtcommission.limits.filters import filters_to_try, neighbours
+from mtcommission.limits.filters import filters_to_try, jerk_times_to_try, neighbours
 from mtcommission.machine.machine import largest_acceleration
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 
 Array = NDArray[np.float64]
-
-JERK_TIMES = 13
-"""Jerk times tried with each filter at first, logarithmic (empirical)."""
 
 SHORTEST, LONGEST = 1e-3, 3.0
 """Of them [s]; a longer one only makes moves longer."""
@@ -65,11 +62,14 @@ NOTICEABLE = 0.9997
 LEAST_GROWTH = 0.2
 """Power of the acceleration with which what is used grows, at least [-] (empirical)."""
 
+WHOLE = 1.0 - 1e-9
+"""Share of a ramp that is the whole, but for rounding [-]."""
+
 CLOSE, NEARLY = 0.002, 0.01
 """Share of a bound that may be left over, and by which limits are scaled without a look [-]
 (empirical)."""
 
-REFINED, REACHES = 4, (0.35, 0.16, 0.1, 0.06, 0.02, 0.01, 0.003)
+REFINED, REACHES = 4, (0.1, 0.06, 0.02, 0.01, 0.003)
 """Best places, of different filters, that are refined, and how far about them [-] (empirical)."""
 
 FOR_SHAPERS = 0.005
@@ -121,7 +121,7 @@ def explore(
     if near is None:
         items = filters_to_try(control, bench.poles.loops[0])
         if is_free:
-            jerk_times = np.geomspace(SHORTEST, LONGEST, JERK_TIMES).tolist()
+            jerk_times = jerk_times_to_try(bench.poles.loops[0], SHORTEST, LONGEST, len(items))
     else:
         # A first look goes no further: it looks at other filters at once.
         own = near.setpoint_filter
@@ -164,9 +164,9 @@ class _Explorer:
         """
         found, soonest = [item for item in self.known.values() if item is not None], self.soonest()
         for place in self.hoped.keys() - self.known.keys():
-            item = self._capped(place)
-            if soonest <= item.duration <= AS_SOON * soonest:
-                found.append(item)
+            hope = self._capped(place)
+            if soonest <= hope.duration <= AS_SOON * soonest:
+                found.append(self._as_reached(place, hope.acceleration))
         best, behind = list[Found](), dict[SetpointFilter | None, list[Found]]()
         delay = self.bench.poles.delay
         for item in found:
@@ -179,13 +179,17 @@ class _Explorer:
         return tuple(sorted(best, key=lambda item: item.duration))
 
     def first_look(self, places: list[Place], latest: float) -> list[Place]:
-        """Find the best of some places; the most promising with each filter, the best first."""
+        """Find the best of some places; the most promising with each filter, the best first.
+
+        Where there is but one, all of them: then nothing but the ramp tells them apart.
+        """
         hopes = self._hopes(places, latest)
         self._settle_first(hopes[:ROUGH] if self.is_rough else hopes, latest)
+        ranked = sorted(hopes, key=self._promise)
         first: dict[SetpointFilter | None, Place] = {}
-        for place in sorted(hopes, key=self._promise):
+        for place in ranked:
             first.setdefault(place[0], place)
-        return list(first.values())
+        return list(first.values()) if len(first) > 1 else ranked
 
     def _promise(self, place: Place) -> float:
         """Duration of what was settled there, inf where nothing was; of what is hoped else [s]."""
@@ -288,13 +292,29 @@ class _Explorer:
         found = found * (following / found) ** (-low / (high - low))
         most = self._within_means(use, found, times)
         durations = self.bench.durations(item, most, times)
-        for t, each, duration in zip(
-            times.tolist(), most.tolist(), durations.tolist(), strict=True
-        ):
-            if duration <= latest:
-                self.hoped[item, t] = Found(
-                    duration=duration, acceleration=each, jerk_time=t, setpoint_filter=item
-                )
+        # A ramp that no move needs whole makes the same motions as the next longer one.
+        is_whole = self.bench.ramps_reached(most, times) >= WHOLE * times
+        longest = times[~is_whole].min(initial=inf)
+        is_soon = (durations <= latest) & (is_whole | (times <= longest))
+        for k in np.flatnonzero(is_soon):
+            t = float(times[k])
+            self.hoped[item, t] = Found(
+                duration=float(durations[k]),
+                acceleration=float(most[k]),
+                jerk_time=t,
+                setpoint_filter=item,
+            )
+
+    def _as_reached(self, place: Place, a: float) -> Found:
+        """The same motions by the acceleration that the listed moves reach, and its jerk time.
+
+        More of it changes nothing, so that how much more would be up to the last digit of a sum.
+        """
+        (item, t_j), duration = place, self._duration(place, a)
+        if self.bench.machine.control.kind.jerk is not Jerk.NONE:  # where the ramp follows from a
+            reached = float(self.bench.ramps_reached(np.array([a]), t_j)[0])
+            a, t_j = a * reached / t_j, reached
+        return Found(duration=duration, acceleration=a, jerk_time=t_j, setpoint_filter=item)
 
     def _duration(self, place: Place, a: float) -> float:
         return float(self.bench.durations(place[0], np.array([a]), place[1])[0])
@@ -394,8 +414,7 @@ class _Explorer:
             if self.is_rough or 1.0 < rest <= 1.0 + NEARLY:  # near enough to be in proportion
                 a, rest = a / max(rest, 1.0), min(rest, 1.0)
             if rest <= 1.0 + CLOSE:
-                duration, low = self._duration((item, t_j), a), (a, rest)
-                best = Found(duration=duration, acceleration=a, jerk_time=t_j, setpoint_filter=item)
+                best, low = self._as_reached((item, t_j), a), (a, rest)
                 if rest >= 1.0 - NEARLY or high[0] == inf:
                     break
             else:

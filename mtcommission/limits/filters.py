@@ -17,12 +17,16 @@ from mtcommission.machine.setpoint_filter import SetpointFilter, frequencies_tol
 LEAST_CYCLES = 2
 """Position cycles over which an average takes a mean at least."""
 
+JERK_TIMES, ALONE = 13, 60
+"""Jerk times tried with each filter at first, logarithmic, beside those of what rings, and where
+there is nothing else to choose (empirical)."""
+
 TIMES = 8
 """Lengths of one moving average, or of two alike, that are tried at first, logarithmic, beside
 those of what rings."""
 
-PERIODS = (0.75, 1.0)
-"""Lengths of a moving average, in periods of what rings [-]."""
+PERIODS = (1, 2, 3)
+"""Lengths of an average, or of a ramp, in periods of what rings: each of them cancels it [-]."""
 
 LONGEST = 0.2
 """Of the averages tried at first [s]."""
@@ -52,6 +56,16 @@ def filters_to_try(control: Control, loop: SampledLoop) -> list[SetpointFilter |
     for choice in control.kind.setpoint_filters:
         found += _of_kind(choice, control, ringing)
     return list(dict.fromkeys(found))
+
+
+def jerk_times_to_try(loop: SampledLoop, least: float, most: float, filters: int) -> list[float]:
+    """Return jerk times to begin with [s]: a ramp over whole periods of what rings cancels it.
+
+    ``filters``: behind how many.
+    """
+    usual = np.geomspace(least, most, JERK_TIMES if filters > 1 else ALONE).tolist()
+    own = [n / frequency for frequency, _ in ringing_poles(loop) for n in PERIODS]
+    return sorted({*usual, *(t for t in own if least < t < most)})
 
 
 def ringing_poles(loop: SampledLoop) -> list[tuple[float, float]]:

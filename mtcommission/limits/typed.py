@@ -6,8 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import ceil, floor, inf, log, log10
 
-import numpy as np
-
 from mtcommission.controls.kind import Jerk
 from mtcommission.limits.bench import build_bench
 from mtcommission.limits.every_size import SizeCheck, judge_sizes
@@ -16,7 +14,7 @@ from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine, largest_acceleration
 from mtcommission.setpoint.duration import longest_move, require_short
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
-from mtcommission.setpoint.setpoint import jerk_steps, plan_setpoint
+from mtcommission.setpoint.setpoint import plan_setpoint
 
 DIGITS, ROUND = 3, 1e-9
 """Significant digits of what is typed in; what is rounding alone, in steps of the last one."""
@@ -134,7 +132,7 @@ def _type_in(
 
     None where none end before ``latest`` [s].
     """
-    (a, jerk_time), item = _reached(machine, found), found.setpoint_filter
+    a, jerk_time, item = found.acceleration, found.jerk_time, found.setpoint_filter
     grows, before, bound_by = 1.0, (inf, inf), ""
     first: tuple[SizeCheck, ...] = ()
 
@@ -177,23 +175,6 @@ def _judged(machine: Machine, tuned: TunedLoop, limits: MotionLimits) -> tuple[T
     sizes = judge_sizes(machine, tuned, limits, only_if_kept=True)
     typed = Typed(limits=limits, sizes=sizes, duration=_duration(machine, limits))
     return typed, max(check.share(machine) for check in sizes)
-
-
-def _reached(machine: Machine, found: Found) -> tuple[float, float]:
-    """The same motions by the acceleration that the listed moves reach, and its jerk time.
-
-    More of it changes nothing, so that how much more would be up to the last digit of a sum.
-    """
-    a, t_j = found.acceleration, found.jerk_time
-    if machine.control.kind.jerk is Jerk.NONE:  # the ramp follows from a: there more of it counts
-        return a, t_j
-    jerk = np.array([a / t_j])
-    ramps = [
-        float(jerk_steps(move, acceleration=np.array([a]), jerk=jerk).times[0, 1])
-        for move in machine.moves
-    ]
-    reached = min(max(ramps), t_j)
-    return a * reached / t_j, reached
 
 
 def _duration(machine: Machine, limits: MotionLimits) -> float:
