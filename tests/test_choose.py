@@ -127,6 +127,7 @@ def test_a_step_too_small_for_any_acceleration_still_gets_limits() -> None:
         (101, 0.187),
         (135, 0.227),
         (160, 0.201),
+        (199, 0.026),
         (205, 3.8),
         (283, 0.0925),
         (2005, 0.108),
@@ -137,8 +138,9 @@ def test_no_better_limits_lie_beside_what_is_tried(seed: int, latest: float) -> 
 
     The best shaper lies beside the mode of the first machine, close beside what is tried first on
     135, between the two modes of 205; on 46 the jerk may not reach the acceleration, and on 92 only
-    just; on 101, 160 and 283 an average over two periods of a mode serves best; on the last a ramp
-    of less than a cycle must become longer, not the acceleration less.
+    just; on 101, 160 and 283 an average over two periods of a mode serves best; on 199 it
+    counts at which phase of a cycle of 4 ms a step falls; on the last a ramp of less than a cycle
+    must become longer, not the acceleration less.
     """
     machine = parse_profile(draw_profile(seed), where="drawn")
     choice = solve(machine)

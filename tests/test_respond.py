@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from benchmarks.every_size import draw_profile
 from mtcommission.controls.kind import TWO_AVERAGES, PositionLoop
 from mtcommission.loop import poles as pole_module
-from mtcommission.loop.mean_response import average_phases
 from mtcommission.loop.poles import LoopPoles, find_poles
+from mtcommission.loop.residuals import find_residuals
 from mtcommission.loop.respond import (
     OUTPUTS,
     extremes,
@@ -25,6 +26,7 @@ from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
+from mtcommission.machine.profile.read import parse_profile
 from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
 from mtcommission.setpoint.motion_limits import MotionLimits
@@ -143,7 +145,7 @@ def test_doubling_every_limit_and_the_move_doubles_the_deviation() -> None:
     assert twice == pytest.approx(2.0 * once, rel=1e-6)
 
 
-# The response averaged over the phases of a cycle is that of the loop: the search sees truly.
+# What the poles leave of moves is what the loop leaves: the search sees truly.
 
 
 FILTERS = (
@@ -165,12 +167,12 @@ def poles_of(name: str) -> LoopPoles:
 
 
 def both(poles: LoopPoles, move: Move, item: SetpointFilter | None) -> tuple[Array, Array]:
-    """Worst corner of moves that end at every phase of a cycle: averaged, and as it is."""
+    """Worst corner of moves that end at every phase of a cycle, by the poles and as it is."""
     order = len(poles.loops[0].outputs) - OUTPUTS
-    mean = average_phases(poles, tool_deviation(order).row[None])
+    residuals = find_residuals(poles, tool_deviation(order).row[None])
     a, t_j = (axis.ravel() for axis in np.meshgrid([0.5, 2.0], np.linspace(0.008, 0.05, 40)))
     steps = jerk_steps(move, acceleration=a, jerk=a / t_j)
-    found = mean.residual(steps, mean.behind(item))[:, 0]
+    found = residuals.of_moves(residuals.behind(item), steps)[:, 0]
     free = free_motion(set_in_motion(poles, filter_steps(steps, item)), lay_grid(poles, 48))
     return found, free.residual.max(axis=1)
 
@@ -187,3 +189,11 @@ def test_what_is_left_is_that_of_the_loop(move: Move, item: SetpointFilter | Non
 def test_every_corner_and_mode_counts() -> None:
     found, exact = both(poles_of("modal-two-modes"), MEAN_MOVES[1], FILTERS[1])
     assert found == pytest.approx(exact, rel=0.05, abs=0.02 * exact.max())
+
+
+@pytest.mark.parametrize("item", [None, FILTERS[1]], ids=lambda item: item.kind if item else "none")
+def test_what_is_left_hangs_on_the_phase_where_cycles_are_long(item: SetpointFilter | None) -> None:
+    """Two and a half samples to a swing: averaged over the phases it was up to five times off."""
+    poles = find_poles(tune_loop(parse_profile(draw_profile(199), where="drawn")).loops)
+    found, exact = both(poles, MEAN_MOVES[0], item)
+    assert found == pytest.approx(exact, rel=0.06, abs=0.03 * exact.max())

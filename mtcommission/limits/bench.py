@@ -12,14 +12,13 @@ up most; later ones only grow less. ``limits.every_size`` has the last word.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from math import isfinite
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.limits.requirements import (
-    COARSELY,
     Asked,
     Mean,
     Requirement,
@@ -27,9 +26,8 @@ from mtcommission.limits.requirements import (
     sort_requirements,
 )
 from mtcommission.loop.disturbance import EncoderNoise, worst_noise
-from mtcommission.loop.mean_response import MeanResponse, average_phases
 from mtcommission.loop.poles import LoopPoles, find_poles
-from mtcommission.loop.respond import free_motion, lay_grid, set_in_motion
+from mtcommission.loop.residuals import Lapse, Modal, Residuals, find_residuals
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
@@ -38,7 +36,6 @@ from mtcommission.setpoint.setpoint import JerkSteps, filter_steps, jerk_steps
 from mtcommission.setpoint.smaller_moves import size_of
 
 Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -48,12 +45,22 @@ class During:
     swings: Swings
     left: Array  # of each bound [own units]
     move: Move
-    worst: float = 1.0  # size that used most the last time, by that of the move [-]
 
-    def is_far(self, machine: Machine, acceleration: float) -> bool:
-        """Return whether a response need not be looked at, so far is the limit [m/s²]."""
+    def expected(self, machine: Machine, acceleration: float) -> float:
+        """Return the share that an acceleration [m/s²] is not expected to exceed [-]."""
         most = [each.at_most(machine, acceleration) for each in self.swings.requirements]
-        return bool(np.all(most < self.left))
+        return float(np.max(most / self.left))
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class Learnt:
+    """What is known of a bench by limits that were looked at: it only saves looking again."""
+
+    behind: dict[SetpointFilter | None, Use] = field(default_factory=dict)
+    excess: dict[str, float] = field(default_factory=dict)  # see ``Use.of_means``
+    hardest: int = 0  # which of ``Bench.during`` used most the last time
+    worst: dict[int, float] = field(default_factory=dict)  # sizes at which these did, by the move's
+    as_expected: set[int] = field(default_factory=set)  # which use no more than that
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -63,14 +70,12 @@ class Bench:
     machine: Machine
     poles: LoopPoles  # in every corner
     asked: Asked
-    mean: MeanResponse  # of what is judged after the move
+    after: Residuals  # of what is judged after the move
     noise: EncoderNoise  # in the worst corner
     left_after: Array  # what it leaves of each bound on what is judged after the move [own units]
-    during: list[During]  # what is judged during the move, what used most the last time first
-    aged: Complex  # what free times beyond the least of a family have left of the mean response
+    during: tuple[During, ...]  # what is judged during the move
     ramps: Array  # of sizes that do not reach the acceleration [s]
-    behind: dict[SetpointFilter | None, Use] = field(default_factory=dict)
-    excess: dict[str, float] = field(default_factory=dict)  # see ``Use.of_means``, once known
+    learnt: Learnt = field(default_factory=Learnt)
 
     @property
     def every_size(self) -> bool:
@@ -91,9 +96,10 @@ class Bench:
 
     def use(self, item: SetpointFilter | None) -> Use:
         """Return what limits behind a filter use."""
-        if item not in self.behind:
-            self.behind[item] = Use(bench=self, item=item, factor=self.mean.behind(item))
-        return self.behind[item]
+        known = self.learnt.behind
+        if item not in known:
+            known[item] = Use(bench=self, item=item, step=self.after.behind(item))
+        return known[item]
 
 
 def build_bench(machine: Machine, tuned: TunedLoop) -> Bench:
@@ -106,22 +112,22 @@ def build_bench(machine: Machine, tuned: TunedLoop) -> Bench:
         pairs = [(item.bound(machine), item.with_noise(none, noise)[0]) for item in requirements]
         return np.array([_left(bound, taken) for bound, taken in pairs])
 
-    mean = average_phases(poles, np.array([signal.row for _, signal in asked.after]))
+    after = find_residuals(poles, np.array([signal.row for _, signal in asked.after]))
+    ages = after.ages.time
     return Bench(
         machine=machine,
         poles=poles,
         asked=asked,
-        mean=mean,
+        after=after,
         noise=noise,
         left_after=left(requirement for requirement, _ in asked.after),
-        during=[
+        during=tuple(
             During(swings=swings, left=left(swings.requirements), move=move)
             for swings in asked.during
             for move in swings.moves
-        ],
-        aged=mean.since(mean.ages),
+        ),
         # Two ramps are as long as the free time, which counts twice: half-way as well.
-        ramps=np.sort(np.concatenate([mean.ages[1:], 0.5 * (mean.ages[:-1] + mean.ages[1:])])),
+        ramps=np.sort(np.append(ages[1:], 0.5 * (ages[:-1] + ages[1:]))),
     )
 
 
@@ -140,7 +146,7 @@ class Use:
 
     bench: Bench  # whose requirements count
     item: SetpointFilter | None
-    factor: Complex  # of the mean response
+    step: Modal  # what one of the jerk leaves, by its phase
     pointed: dict[type[Move], Array] = field(default_factory=dict)
     held: dict[tuple[type[Move], float], Array] = field(default_factory=dict)
 
@@ -154,12 +160,7 @@ class Use:
         jerk, kind = a / t_j, type(move)
         steps = jerk_steps(move, acceleration=a, jerk=jerk)
         if not self.bench.every_size:
-            # One size alone may lie in a notch: a little less acceleration can leave more.
-            share = self._share_after(steps)
-            near = (share > 1.0 / FAR) & (share < FAR)
-            if near.any():
-                share[near] = self._share_exactly(steps.only(near))
-            return share
+            return self._worst_share(self.bench.after.of_moves(self.step, steps))
         ramp, rise = steps.times[:, 1], steps.times[:, 2]
         worst = self._worst_pointed(kind, ramp)
         reached = ramp >= t_j * (1.0 - 1e-9)
@@ -171,87 +172,63 @@ class Use:
     def _worst_share(self, left: Array) -> Array:
         return np.asarray((left / self.bench.left_after).max(axis=-1))
 
-    def _share_after(self, steps: JerkSteps) -> Array:
-        """Of what is left after each setpoint by the mean over all phases, shape (n_setpoints,)."""
-        return self._worst_share(self.bench.mean.residual(steps, self.factor))
-
-    def _share_exactly(self, steps: JerkSteps) -> Array:
-        """The same at the very phases at which the steps fall."""
-        motions = set_in_motion(self.bench.poles, filter_steps(steps, self.item))
-        grid = lay_grid(self.bench.poles, COARSELY)
-        found = [
-            free_motion(motions, grid, signal=signal).residual.max(axis=1)
-            for _, signal in self.bench.asked.after
-        ]
-        return self._worst_share(np.stack(found, axis=1))
+    def _after_move(self, kind: type[Move], ramp: Lapse, rise: Lapse) -> Array:
+        """What is left of moves that do not reach ``max_velocity``, signals last [per m/s³]."""
+        after = self.bench.after
+        if kind is Positioning:
+            modal = after.of_pair(self.step, ramp + rise, ramp, rise)
+        else:
+            modal = after.of_change(self.step, None, ramp, rise)
+        found = after.largest(modal.reshape(-1, *modal.shape[-2:]))
+        return found.reshape(*modal.shape[:-2], -1)
 
     def _worst_pointed(self, kind: type[Move], most: Array) -> Array:
         """Worst of ramps up to some, and of the next one, that do not reach a [per m/s³]."""
         ramps = self.bench.ramps
         if kind not in self.pointed:
-            ramp = self.bench.mean.since(ramps)
-            held = self.factor * (ramp - 1.0) ** 2
-            if kind is Positioning:
-                held = held * (ramp**2 - 1.0)
-            self.pointed[kind] = np.maximum.accumulate(self.bench.mean.largest(held), axis=0)
+            each = self.bench.after.after(ramps)
+            left = self._after_move(kind, each, each)
+            self.pointed[kind] = np.maximum.accumulate(left, axis=0)
         place = np.searchsorted(ramps, most * (1.0 + 1e-9))
         found = self.pointed[kind][np.minimum(place, len(ramps) - 1)]
         return np.asarray(np.where(most[:, None] > 0.0, found, 0.0))
 
     def _worst_held(self, kind: type[Move], t_j: Array, most: Array) -> Array:
         """Worst of times up to some for which a is held [per m/s³]."""
-        mean, ages = self.bench.mean, self.bench.mean.ages
+        ages = self.bench.after.ages
         times, row = np.unique(t_j, return_inverse=True)
         new = np.array([time for time in times.tolist() if (kind, time) not in self.held])
         if len(new):
-            ramp = mean.since(new)[:, None]
-            rise = ramp * self.bench.aged
-            held = self.factor * (ramp - 1.0) * (rise - 1.0)
-            if kind is Positioning:
-                held = held * (rise * ramp - 1.0)
-            worst = mean.largest(held.reshape(-1, *held.shape[2:]))
-            rising = np.maximum.accumulate(worst.reshape(len(new), len(ages), -1), axis=1)
+            ramp = self.bench.after.after(new[:, None])
+            left = self._after_move(kind, ramp, ramp + ages)
+            rising = np.maximum.accumulate(left, axis=1)
             self.held.update(
                 {(kind, t): each for t, each in zip(new.tolist(), rising, strict=True)}
             )
         rising = np.array([self.held[kind, time] for time in times.tolist()])
-        place = np.searchsorted(ages, most * (1.0 + 1e-9) - t_j)
-        found = rising[row, np.minimum(place, len(ages) - 1)]
+        place = np.searchsorted(ages.time, most * (1.0 + 1e-9) - t_j)
+        found = rising[row, np.minimum(place, len(ages.time) - 1)]
         return np.asarray(np.where(most[:, None] > 0.0, found, 0.0))
 
     def of_cruise(self, a: Array, t_j: Array | float) -> Array:
         """Return the same of sizes that reach ``max_velocity``, shape of ``a`` [-]."""
-        used, bench, mean = np.zeros_like(a), self.bench, self.bench.mean
+        used, bench, after = np.zeros_like(a), self.bench, self.bench.after
         for move in bench.machine.moves:
             is_bounded = isinstance(move, Positioning) and isfinite(move.max_velocity)
             if not (bench.every_size and is_bounded):
                 continue
             steps = jerk_steps(move, acceleration=a, jerk=a / t_j)
-            ramp, rise, up, fall = steps.times[:, 1:5].T
-            cruise = fall - up
-            held = self.factor * (mean.since(ramp) - 1.0) * (mean.since(rise) - 1.0)
-            each = held[:, None] * (mean.since(up)[:, None] * bench.aged - 1.0)
-            worst = self._worst_share(mean.largest(each.reshape(-1, *held.shape[1:])))
-            worst = (worst.reshape(len(a), -1) * (mean.ages <= cruise[:, None])).max(axis=1)
-            own = self._worst_share(mean.largest(held * (mean.since(fall) - 1.0)))
-            worst = a / t_j * np.maximum(worst, own)
-            used = np.maximum(used, np.where(cruise > 0.0, worst, 0.0))
+            ramp, rise, up, fall = map(after.after, steps.times[:, 1:5].T[..., None])
+            cruise, later = fall.time - up.time, up + after.ages
+            brake = Lapse(
+                np.hstack([later.time, fall.time]), np.concatenate([later.left, fall.left], axis=1)
+            )
+            modal = after.of_pair(self.step, brake, ramp, rise)
+            worst = self._worst_share(after.largest(modal.reshape(-1, *modal.shape[-2:])))
+            is_there = np.hstack([after.ages.time <= cruise, cruise > 0.0])
+            worst = a / t_j * (worst.reshape(is_there.shape) * is_there).max(axis=1)
+            used = np.maximum(used, worst)
         return used
-
-    def of_after_exactly(self, a: float, t_j: float) -> float:
-        """Return the share of both, of some sizes at the very phases of their steps [-]."""
-        bench, worst = self.bench, 0.0
-        for move in bench.machine.moves:
-            sizes = np.array([size_of(move)])
-            if bench.every_size:
-                sizes = _lay_ages(move, a, t_j, bench.mean.ages, bench.ramps)
-            full = np.full_like(sizes, a)
-            steps = jerk_steps(move, acceleration=full, jerk=full / t_j, size=sizes)
-            # The mean over all phases tells which sizes may be the worst.
-            likely = self._share_after(steps)
-            steps = steps.only(likely >= LIKELY * likely.max())
-            worst = max(worst, float(self._share_exactly(steps).max()))
-        return worst
 
     def of_means(self, a: Array, t_j: Array | float) -> Array:
         """Return the largest share of what is a mean over the move, shape of ``a`` [-]."""
@@ -275,15 +252,15 @@ class Use:
         worst = worst / bound
         if worst.max(initial=0.0) <= NEAR:
             return worst
-        if requirement.key not in bench.excess:
+        if requirement.key not in bench.learnt.excess:
             # Where the bound is just used the loop adds what counts.
             place, move = int(np.abs(np.log(np.maximum(worst, 1e-9))).argmin()), machine.moves[0]
             one = jerk_steps(move, acceleration=a[[place]], jerk=a[[place]] / float(t_j[place]))
             steps = filter_steps(one, self.item)
             exact = mean.exact(machine, bench.poles, move, steps, MEAN_CYCLES).max()
             excess = float(exact / mean.estimate(machine, move, steps)[0])
-            bench.excess[requirement.key] = excess
-        return np.asarray(worst * np.where(worst > NEAR, bench.excess[requirement.key], 1.0))
+            bench.learnt.excess[requirement.key] = excess
+        return np.asarray(worst * np.where(worst > NEAR, bench.learnt.excess[requirement.key], 1.0))
 
     def of_rest(
         self, a: float, t_j: float, *, is_enough: Callable[[float], bool] = lambda _: False
@@ -292,14 +269,12 @@ class Use:
 
         ``is_enough``: of a share from which on more of it need not be known.
         """
-        during, used, most, worst = self.bench.during, 0.0, 0, 1.0
+        learnt, used = self.bench.learnt, 0.0
         for place, size, share in self._of_sizes(a, t_j):
             if share > used:
-                used, most, worst = share, place, size
+                used, learnt.hardest, learnt.worst[place] = share, place, size
             if is_enough(used):
                 break
-        if used:
-            during.insert(0, replace(during.pop(most), worst=worst))
         return used
 
     def _of_sizes(self, a: float, t_j: float) -> Iterator[tuple[int, float, float]]:
@@ -307,12 +282,14 @@ class Use:
 
         By its place; with the size that uses most, by that of the move, and what it uses [-].
         """
-        bench = self.bench
-        for place, one in enumerate(bench.during):
-            if one.is_far(bench.machine, a):
+        bench, learnt = self.bench, self.bench.learnt
+        for place in sorted(range(len(bench.during)), key=lambda k: k != learnt.hardest):
+            one, most = bench.during[place], 0.0
+            expected = one.expected(bench.machine, a)
+            if expected < 1.0 and place in learnt.as_expected:
                 continue
             shares = self._lay_shares(one.move, a, t_j)
-            likely = int(np.abs(np.log(shares / one.worst)).argmin())
+            likely = int(np.abs(np.log(shares / learnt.worst.get(place, 1.0))).argmin())
             for part in (shares[[likely]], np.delete(shares, likely)):
                 if not len(part):
                     continue
@@ -321,7 +298,10 @@ class Use:
                 steps = jerk_steps(one.move, acceleration=full, jerk=full / t_j, size=sizes)
                 found = one.swings.largest(bench.poles, filter_steps(steps, self.item)) / one.left
                 worst = int(found.max(axis=1).argmax())
+                most = max(most, float(found[worst].max()))
                 yield place, float(part[worst]), float(found[worst].max())
+            if most <= expected:
+                learnt.as_expected.add(place)
 
     def of_rise(self, a: Array, t_j: Array) -> Array:
         """Return the share of the same that the rise of the acceleration uses, shape of ``a``.
@@ -332,11 +312,12 @@ class Use:
         bench, used = self.bench, np.zeros_like(a)
         late = self.item.duration if self.item else 0.0
         for one in bench.during:
-            if one.is_far(bench.machine, float(a.max())):
+            if one.expected(bench.machine, float(a.max())) < 1.0:
                 continue
             steps = jerk_steps(one.move, acceleration=a, jerk=a / t_j)
             ramp, until = steps.times[:, 1:2], steps.times[:, 2:3]
-            times = np.hstack([ramp, ramp + 0.5 * late, ramp + late + bench.mean.ages[::SPARSE]])
+            swings = bench.after.ages.time[::SPARSE]
+            times = np.hstack([ramp, ramp + 0.5 * late, ramp + late + swings])
             rise = JerkSteps(times=steps.times[:, :2], steps=steps.steps[:, :2])
             steps = filter_steps(rise, self.item)
             share = one.swings.at(bench.poles, steps, np.minimum(times, until)) / one.left
@@ -352,21 +333,6 @@ class Use:
         return np.unique(np.clip([*SIZES, reach, 1.3 * reach], 1e-6, 1.0))
 
 
-def _lay_ages(move: Move, a: float, t_j: float, ages: Array, ramps: Array) -> Array:
-    """Return sizes of a move whose free times have some ages, and its own [m/s or m]."""
-    jerk, held = a / t_j, t_j + ages
-    pointed = ramps[ramps < t_j]
-    if isinstance(move, VelocityStep):
-        found = [jerk * pointed**2, a * held]
-    else:
-        found = [2.0 * jerk * pointed**3, a * held * (held + t_j)]
-        if isfinite(move.max_velocity):
-            own = jerk_steps(move, acceleration=np.array([a]), jerk=np.array([jerk])).times[0]
-            found.append(move.max_velocity * (own[3] + ages))
-    sizes = np.concatenate([*found, [size_of(move)]])
-    return np.asarray(sizes[sizes <= size_of(move)])
-
-
 SIZES = (0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
 """Sizes of a move at which swings are looked at, beside where a is reached
 (empirical)."""
@@ -375,14 +341,6 @@ SIZES = (0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
 SPARSE = 4
 """Of the ages that meet every swing, one in so many is enough to see what a rise uses at least
 (empirical)."""
-
-LIKELY = 0.7
-"""Share of the worst mean over all phases from which a size may be the worst at its own (empirical:
-the two are within some per cent)."""
-
-FAR = 2.0
-"""Factor from a bound beyond which the mean over all phases of a step within its cycle tells enough
-of one size (empirical)."""
 
 NEAR, MEAN_CYCLES = 0.9, 600
 """Share of a mean from which it is corrected by what the loop adds to that of the rigid axis, much

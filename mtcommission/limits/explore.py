@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from heapq import heapify, heappop, heappush
-from itertools import islice
 from math import inf
 
 import numpy as np
@@ -52,9 +51,9 @@ STEPS = 4
 FALLING = (1.0, 0.9975, 0.995, 0.99, 0.985, 0.98, 0.97, 0.96, 0.94, 0.92, 0.9)
 """Shares of an acceleration that are looked at together (empirical)."""
 
-WORTHWHILE, WITHOUT_RAMPS = 1.05, 1.1
-"""What takes longer than the best so far by this factor is not followed further: with ramps that
-may be chosen; without, where all hangs on the filter's frequency (empirical)."""
+WORTHWHILE = 1.1
+"""What takes longer than the best so far by this factor is not followed further (empirical: so much
+sooner the bottom of a valley lies than where it is met first)."""
 
 NOTICEABLE = 0.9997
 """What is not shorter than the best so far by this factor is not worth a step (empirical)."""
@@ -130,16 +129,23 @@ def explore(
         if is_free:
             times = [max(near.jerk_time * factor, SHORTEST) for factor in NEAR_TIMES]
             jerk_times = list(dict.fromkeys(times))
-    worthwhile = (WORTHWHILE if is_free else WITHOUT_RAMPS) if refined else 1.0
+    worthwhile = WORTHWHILE if refined else 1.0
     places = [(item, t) for item in items for t in jerk_times]
     begins = explorer.first_look(places, worthwhile * latest)
     # One after the other: what was refined before decides what is worth it.
-    looks = (
-        explorer.look_at([place], latest=worthwhile * min(explorer.soonest(), latest))
-        for place in begins
-    )
-    for begin in islice((found for found in looks if found is not None), refined):
-        explorer.refine(begin, REACHES if near is None else NEAR_REACHES, is_free=is_free)
+    queue = [(explorer.promise(place), k) for k, place in enumerate(begins)]
+    heapify(queue)
+    while queue and refined:
+        promised, k = heappop(queue)
+        soon = worthwhile * min(explorer.soonest(), latest)
+        if promised > soon or promised == inf:
+            break
+        begin = explorer.known.get(begins[k])
+        if begin is not None:
+            explorer.refine(begin, REACHES if near is None else NEAR_REACHES, is_free=is_free)
+            refined -= 1
+        elif explorer.look_at([begins[k]], latest=soon):
+            heappush(queue, (explorer.promise(begins[k]), k))
     return explorer.ranked()
 
 
@@ -185,13 +191,13 @@ class _Explorer:
         """
         hopes = self._hopes(places, latest)
         self._settle_first(hopes[:ROUGH] if self.is_rough else hopes, latest)
-        ranked = sorted(hopes, key=self._promise)
+        ranked = sorted(hopes, key=self.promise)
         first: dict[SetpointFilter | None, Place] = {}
         for place in ranked:
             first.setdefault(place[0], place)
         return list(first.values()) if len(first) > 1 else ranked
 
-    def _promise(self, place: Place) -> float:
+    def promise(self, place: Place) -> float:
         """Duration of what was settled there, inf where nothing was; of what is hoped else [s]."""
         if place not in self.known:
             return self._capped(place).duration
@@ -246,8 +252,11 @@ class _Explorer:
             if reach < FOR_SHAPERS and not (item and item.frequency_hz):
                 continue
             while True:
-                t = here.jerk_time
-                around = [t * (1.0 - reach), t * (1.0 + reach)] if is_free else []
+                t, shifts = here.jerk_time, [reach * here.jerk_time]
+                if reach == reaches[0] and control.position_cycle > shifts[0]:
+                    # Nearer by than a cycle a ramp may stay where the phases just favour it.
+                    shifts.append(control.position_cycle)
+                around = [t + sign * x for x in shifts for sign in (-1.0, 1.0)] if is_free else []
                 around = [time for time in around if time >= SHORTEST]
                 items = neighbours(control, here.setpoint_filter, reach)
                 places = [(here.setpoint_filter, time) for time in around]
@@ -384,7 +393,6 @@ class _Explorer:
         """The largest acceleration up to some that keeps everything, where that is soon enough."""
         use, bench = self.bench.use(item), self.bench
         best: Found | None = None
-        exact = 0.0  # share of the band at the very phases, per a [s²/m]
         low, high = (0.0, 0.0), (inf, inf)  # accelerations kept and not, and what they use
         grows = 1.0  # power of the acceleration with which that grows
         for _ in range(STEPS):
@@ -408,9 +416,6 @@ class _Explorer:
             rest = self._rest(use, a, t_j, inf if best else latest)
             if best is None and self._duration((item, t_j), a / max(rest, 1.0)) > latest:
                 break
-            if not exact:
-                exact = use.of_after_exactly(a, t_j) / a
-            rest = max(rest, exact * a)
             if self.is_rough or 1.0 < rest <= 1.0 + NEARLY:  # near enough to be in proportion
                 a, rest = a / max(rest, 1.0), min(rest, 1.0)
             if rest <= 1.0 + CLOSE:
