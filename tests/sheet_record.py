@@ -82,11 +82,21 @@ def on_json(function: Callable[..., Any]) -> Callable[..., Any]:
     return call
 
 
+def own_export(record: Json) -> Any:
+    """The export for a record's own control; for one and the same record written only once."""
+    return _own_export(json.dumps(record))
+
+
+@cache
+def _own_export(record: str) -> Any:
+    return on_json(type_in)(json.loads(record))
+
+
 def _with_export(function: Callable[..., Any]) -> Callable[..., Any]:
     """Return a function of a record and its export as one of a record in JSON."""
 
-    def call(record: Any, *values: Any, **named: Any) -> Any:
-        return on_json(function)(record, on_json(type_in)(record), *values, **named)
+    def call(record: Json, *values: Any, **named: Any) -> Any:
+        return on_json(function)(record, own_export(record), *values, **named)
 
     return call
 

@@ -14,14 +14,14 @@ import pytest
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.controls.kinds import KINDS
 from mtcommission.export.catalogue import CONTROL_KEYS
-from mtcommission.export.write import export_own, export_record
+from mtcommission.export.write import export_record
 from mtcommission.machine.profile.read import profile_text_hash
 from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.record.record import Record
 from mtcommission.record.shape import to_entry
 from mtcommission.sheet.document import Headline, Table
 
-from .sheet_record import Json, compose, example_record, print_html, run_of
+from .sheet_record import Json, compose, example_record, own_export, print_html, run_of
 
 LANGUAGES = ("en", "de")
 AVERAGE = {"kind": "moving_average", "time": 0.016, "second_time": 0.0, "frequency_hz": 0.0,
@@ -64,7 +64,7 @@ def _rows(record: Json, language: str) -> dict[str, tuple[str, ...]]:
     """By the export's names, which are the page's in English."""
     _, table = _page_one(record, language)
     rows = {}
-    entries = export_own(to_entry(record, Record)).entries
+    entries = own_export(record).entries
     for entry, (shown, *others) in zip(entries, table.rows, strict=True):
         name, section = entry.row.name, entry.row.section
         name = f"[{section}] {name}" if section else name
@@ -86,9 +86,9 @@ IN_WORDS = {
 def test_every_row_is_the_export_s(kind):
     """What stands in the export's file is held to a second reader by tests/test_export.py."""
     record = _record(kind)
-    loaded = to_entry(record, Record)
-    own = kind in CONTROL_KEYS
-    export = export_record(loaded, control=kind) if own else export_own(loaded)
+    export = own_export(record)
+    if kind in CONTROL_KEYS:
+        export = export_record(to_entry(record, Record), control=kind)
     written = [one.value for one in export.entries]
     assert written
     for language in LANGUAGES:
@@ -125,7 +125,7 @@ def test_machining_modes_stand_on_page_1_as_in_the_export(language):
 
 def test_the_verdict_of_page_1_is_that_of_the_export():
     record, _ = run_of(SCREW)
-    assert export_own(to_entry(record, Record)).meets_requirements
+    assert own_export(record).meets_requirements
     assert _page_one(record)[0].verdict == "All requirements met"
     record["limits"]["modes"][0] |= {"meets_requirements": False, "band": 8e-6}
     head, _ = _page_one(record)
@@ -174,14 +174,15 @@ def test_a_record_whose_profile_was_edited_says_why_there_are_no_rows():
 @pytest.mark.parametrize("kind", ["klipper", "marlin"])
 def test_a_printer_has_one_acceleration_in_record_page_and_file(kind):
     """The axis of the model would take 50 m/s²: nobody types that, and nothing may promise it."""
-    record = to_entry(run_of(CASES[kind])[0], Record)
-    best, export, words = record.limits.recommended, export_own(record), Catalogue()
+    ran = run_of(CASES[kind])[0]
+    record, export, words = to_entry(ran, Record), own_export(ran), Catalogue()
+    best = record.limits.recommended
     name = {"klipper": "max_accel", "marlin": "M201 X"}[kind]
     typed = next(float(one.value) for one in export.entries if one.row.name == name)
     assert best.acceleration == pytest.approx(1e-3 * typed)
     assert best.acceleration <= 20.0
     assert export.verdict.settling_time == pytest.approx(best.settling_time, rel=1e-3)
-    head = next(b for b in compose(record, "en").sections[0].blocks if isinstance(b, Headline))
+    head = next(b for b in compose(ran, "en").sections[0].blocks if isinstance(b, Headline))
     assert head.values[0].value == "20\u202fm/s²"
     assert "a practical ceiling for printers, 20\u202fm/s² (assumed)" in words.say(best.bound_by)
     (said,) = [
@@ -208,7 +209,7 @@ def test_marlin_gets_a_corner_that_it_takes():
     rows = _rows(_record("marlin", **swift), "en")
     assert rows["M205 J"][0] == "0.01\u202fmm"
     narrow = _record("marlin", 'deviation = "20 um"', 'deviation = "0.5 um"', **swift)
-    export = export_own(to_entry(narrow, Record))
+    export = own_export(narrow)
     assert "M205 J" not in "".join(export.text.split("\n\n")[1])
     assert "refuses less than 0.01 mm" in " ".join(export.text.replace("\n; ", " ").split())
     assert re.search(r"^M205 X[\d.]+ .*\[mm/s\]", export.text, re.MULTILINE)
