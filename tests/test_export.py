@@ -354,7 +354,6 @@ def test_axis_that_a_control_cannot_name_is_refused():
 
 FILTERS_OF_KINDS = [
     ("sinumerik", 'kind = "two_moving_averages", time = "12 ms", second_time = "8 ms"'),
-    ("fanuc", 'kind = "moving_average", time = "20 ms"'),
     ("klipper", 'kind = "ei", frequency = "48 Hz", damping = 0.03'),
     ("marlin", 'kind = "marlin_mzv", frequency = "48 Hz", damping = 0.03'),
 ]

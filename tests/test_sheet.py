@@ -247,8 +247,7 @@ def test_a_rotary_axis_has_torques_and_moments_of_inertia(language):
     assert re.search(forces, linear), "the words that are looked for"
 
 
-@pytest.mark.parametrize("language", ["en", "de"])
-@pytest.mark.parametrize("name", ["force", "Kraft"])
+@pytest.mark.parametrize(("name", "language"), [("force", "en"), ("Kraft", "de")])
 def test_a_mode_named_as_a_word_of_the_sheet_keeps_its_name_on_a_rotary_axis(name, language):
     """A mode "Kraft" made the German sheet speak of v_Drehmoment, a signal that does not exist."""
     told = json.dumps(rotary_record()).replace("plate", "@")

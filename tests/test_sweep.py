@@ -29,6 +29,8 @@ from threadpoolctl import threadpool_info, threadpool_limits
 from mtcommission.base.errors import ComputationError, InputError, Outcome
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
+from mtcommission.commission.recommend import recommend
+from mtcommission.limits.optima import find_optima
 from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.profile.read import parse_profile
 from mtcommission.machine.readers import SignalValue
@@ -305,8 +307,6 @@ def test_rows_do_not_depend_on_the_threads_of_the_process(tmp_path, monkeypatch)
 def test_limits_of_a_case_are_those_of_the_command(tmp_path):
     """A sweep must recommend what ``limits`` recommends for the same machine, and must not count
     a certified optimum as requirements that are met."""
-    from mtcommission.commission.commission import commission
-
     text = TEXT.replace("[damping_optimal]", "[requirements.peaks]\nv_phi = 0.1\n[damping_optimal]")
     text = text.replace(
         'tcp_deviation = "5 um"', 'tcp_deviation = "5 um"\nmax_settling_time = 0.12'
@@ -320,12 +320,13 @@ def test_limits_of_a_case_are_those_of_the_command(tmp_path):
     assert "requirements met: 1" in summarise(table, WORDS)[0]
     assert not table.is_met
     assert data_of(print_sweep(plan, table, WORDS, created=""))["flag"] == "requirements_met"
-    row, found = table.frame.row(1, named=True), commission(parse_profile(text, where="p"))
+    row, machine = table.frame.row(1, named=True), parse_profile(text, where="p")
+    found = recommend(machine)
     assert row["acceleration"] == found.choice.limits.acceleration
     assert row["jerk"] == found.choice.limits.jerk
-    assert row["settling_time"] == found.recommended.settling_time
-    assert row["t_f"] == found.optima[0].time.t_f
-    responses = [response for move in found.moves for response in move.responses]
+    assert row["settling_time"] == found.choice.candidate.settling_time
+    assert row["t_f"] == find_optima(machine, found.plant, machine.moves[0]).time.t_f
+    responses = [response for move in found.choice.moves for response in move.responses]
     column = found.plant.signals.index("v_phi")
     assert row["peak_v_phi"] == max(response.peaks[column] for response in responses)
     assert row["peak_F_set"] == max(response.max_force for response in responses)
