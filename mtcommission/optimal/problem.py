@@ -7,13 +7,13 @@ from math import inf, isfinite
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import qr
+from scipy.linalg import expm, matrix_balance, qr
 
 from mtcommission.base.messages.message import Message
 from mtcommission.machine.moves import Move, Positioning
 from mtcommission.machine.plant.plant import Plant
 from mtcommission.machine.readers import SignalValue
-from mtcommission.optimal.control import balanced_expm, terminal_target
+from mtcommission.optimal.control import terminal_target
 from mtcommission.optimal.modes import step_response
 
 Array = NDArray[np.float64]
@@ -24,14 +24,14 @@ class HeldFlow:
     """x' = G x in coordinates z = T x, of which the first r are the chain and follow it exactly."""
 
     matrix: Array  # G, shape (n, n) [1/s]
-    chart: Array  # T, shape (n, n); its first r rows are the chain
+    chart: Array  # T, shape (n, n); its first r rows are multiples of the chain
     inverse: Array  # T^-1, shape (n, n)
     # T G T^-1 with its first r rows as they are without rounding, shape (n, n) [1/s].
     generator: Array
 
     def over(self, span: float) -> Array:
         """Return expm(G span), shape (n, n), for a span in s that may be negative."""
-        return np.asarray(self.inverse @ balanced_expm(self.generator * span) @ self.chart)
+        return np.asarray(self.inverse @ expm(self.generator * span) @ self.chart)
 
 
 def held_flow(matrix: Array, chain: Array, *, rate: float, scale: Array) -> HeldFlow:
@@ -54,7 +54,14 @@ def held_flow(matrix: Array, chain: Array, *, rate: float, scale: Array) -> Held
     generator = chart @ matrix @ inverse
     generator[:r] = rate * np.eye(n, k=1)[:r]
     generator[r - 1] = 0.0
-    return HeldFlow(matrix=matrix, chart=chart, inverse=inverse, generator=generator)
+    # In states of one size, see ``balanced_expm``: by powers of two, which round nothing.
+    balanced, (sizes, _) = matrix_balance(generator, permute=False, separate=True)
+    return HeldFlow(
+        matrix=matrix,
+        chart=chart / sizes[:, np.newaxis],
+        inverse=inverse * sizes,
+        generator=np.asarray(balanced, dtype=np.float64),
+    )
 
 
 ORDER_TOLERANCE = 1e-10
