@@ -39,7 +39,7 @@ from mtcommission.machine.setpoint_filter import moving_average
 from mtcommission.record.read_back import close_as_held
 from tests.group_record import PROFILES, driven, mill
 from tests.independent_circle import circle_off, corner_off, entry_off, line_off
-from tests.test_group_agrees import FEWER
+from tests.test_group_agrees import FEWER, GIVEN
 
 X, Y = PROFILES / "mill-x.toml", PROFILES / "mill-y.toml"
 
@@ -58,6 +58,10 @@ def task_of(*changes: tuple[Change, ...], **options: str) -> Task:
         sources.append(source)
     machines = [parse_profile(one.text, where=str(one.path)) for one in sources]
     return read_task(machines, sources, **options)
+
+
+GAINS = [('kind = "sinumerik"\n', GIVEN.format("sinumerik", 60, Kp)) for Kp in (150, 130)]
+"""Of X and Y, with which no loop is to be searched for."""
 
 
 @pytest.fixture(scope="module")
@@ -259,7 +263,7 @@ def test_lines_in_every_direction_keep_what_was_judged_in_the_second_program(joi
 def test_axes_come_as_late_as_the_slowest_where_the_control_takes_a_wait():
     """In parts of a cycle, with which circles stay round; without a place for it they are oval."""
     changed = ('frequency = "197.4 Hz", damping', 'frequency = "130 Hz", damping')
-    found = join(task_of((changed, *FEWER), FEWER))
+    found = join(task_of((changed, GAINS[0], *FEWER), (GAINS[1], *FEWER)))
     first, second = found.pair
     waits = [axis.wait / first.poles.dt for axis in found.pair]
     assert max(abs(wait - round(wait)) for wait in waits) > 0.05
@@ -270,7 +274,7 @@ def test_axes_come_as_late_as_the_slowest_where_the_control_takes_a_wait():
 def test_limits_of_the_path_slow_each_axis_and_its_verdict():
     """All are typed in together: X was called soon enough by its own limits alone."""
     within = ("[requirements]\n", '[requirements]\nmax_settling_time = "410 ms"\n')
-    group = join(task_of((within,), (within,)))
+    group = join(task_of((within, GAINS[0]), (within, GAINS[1])))
     x, path = group.axes[0], group.path
     assert x.slowed is not None
     # No rest-to-rest move is shorter than at the path's acceleration, without any jerk limit.
