@@ -44,7 +44,7 @@ from mtcommission.optimal.problem import (
 )
 from mtcommission.optimal.proof import Found, prove, require_followable, slopes
 from mtcommission.optimal.refine import MOST_RADIANS, Seen, cell_arcs, finish, refined
-from mtcommission.optimal.sequence import detect_sequence
+from mtcommission.optimal.sequence import detect_sequence, plainest_sequence
 
 Array = NDArray[np.float64]
 
@@ -159,7 +159,8 @@ def _search(problem: BoundedProblem, *, t_free: float) -> Found:
     first = first_cells(problem, t_free=t_free)
     for seen in refined(problem, first):
         guess = detect_sequence(problem, seen.structure, seen.dual, seen.mesh)
-        found = solve_exactly(problem, guess)
+        plainest = plainest_sequence(problem, seen.structure, seen.dual)
+        found = solve_exactly(problem, guess) or solve_exactly(problem, plainest)
         if found is not None:
             return found
         may_be_exact = False

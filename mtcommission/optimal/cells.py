@@ -60,17 +60,20 @@ def _least_factor(problem: BoundedProblem, plan: Plan) -> float:
     return inf if solution is None else float(solution.unknowns[-1])
 
 
-FEWEST_CELLS, MOST_CELLS = 100, 900
-"""Even cells at first: enough to see every feature, and few enough for a fraction of a second
-(empirical)."""
-RADIANS_PER_CELL = 0.8
-"""Between the two, cells that resolve the fastest mode (empirical)."""
+FEWEST_CELLS, RADIANS_PER_CELL = 100, 0.8
+"""Even cells at first: enough to see every feature, and to resolve the fastest mode (empirical)."""
+FIRST_ENTRIES, MOST_PLACES = 7.5e5, 1200
+"""Cells times points of a first program, few enough for half a second, and points where cells are
+longer than for the bounds between their ends (empirical)."""
+COARSEST, FEWEST_BETWEEN = 2.5, 200
+"""Times the length of cells that resolves the fastest mode up to which they are even, and cells
+that a longer move has at least (empirical)."""
 GROWTH = 0.15
 """Of cells with the distance from the ends of a long move and of its cruise (empirical)."""
 FINER = 4
 """Times as many cells where more time takes reach, which no motion loses by waiting: there a bound
 is so close to the least possible that the length of the cells decides (empirical)."""
-TIME_STEPS, HORIZON = 40, 60.0
+TIME_STEPS, HORIZON = 24, 60.0
 """Programs of the first search of t_f, and its longest t_f in multiples of the free optimum."""
 FAR = 3.0
 """The same from which on a program that rounding spoils ends the search."""
@@ -81,19 +84,19 @@ LONGER, STANDSTILL = 1.5, 1e-3
 """Factor between two times over which the reach has to grow, by how much, or it never will."""
 INSIDE = (0.02, 0.98)
 """Share of a bracket of t_f in which the next time lies."""
-LEAST_SLOPE, LARGEST_CHANGE = 0.3, 0.02
-"""Least dα/dlog t_f that is believed, and largest relative change of t_f in one step."""
-MOST_ENTRIES = 1.5e6
-"""Cells times points of a program: some seconds."""
+LARGEST_CHANGE = 0.02
+"""Relative change of t_f in one step."""
+MOST_ENTRIES = 1.25e6
+"""Cells times points of a program: a second at most."""
 CONTACT_RADIANS, CONTACTS = 6.3, 12
 """Of the slowest mode, over which the free motion is asked at first, and at how many instants."""
-EXCHANGES = 20
+EXCHANGES = 12
 """Rounds at most in which peaks become points and t_f is corrected."""
 
 
 def _later(cells: Cells, *, wanted: float) -> float:
     """Return the factor on t_f at which the reach should be what is wanted, within safe steps."""
-    change = (wanted - cells.reach) / max(cells.slope * cells.t_f, LEAST_SLOPE)
+    change = (wanted - cells.reach) / max(cells.slope * cells.t_f, STEEPNESS[0])
     return 1.0 + float(np.clip(change, -LARGEST_CHANGE, LARGEST_CHANGE))
 
 
@@ -119,7 +122,7 @@ def exchange(
         before, found = found, following
         # Where the first cells say nothing of the slope, a chord over more and more points must do.
         is_same = before is not None and before.weights.size == found.weights.size
-        is_flat = found.slope * found.t_f < LEAST_SLOPE
+        is_flat = found.slope * found.t_f < STEEPNESS[0]
         if before is not None and (is_same or is_flat) and found.t_f != before.t_f:
             secant = (found.reach - before.reach) / (found.t_f - before.t_f)
             found = replace(found, slope=secant) if secant > 0.0 else found
@@ -141,16 +144,31 @@ def exchange(
 def _first_edges(problem: BoundedProblem, t_f: float, *, finer: int) -> Array:
     """Return even edges; of a long move close together at its ends and those of its cruise."""
     cell, fewest = RADIANS_PER_CELL / finer / problem.vibration_rate, finer * FEWEST_CELLS
-    if t_f / cell < (MOST_CELLS if problem.ramp == inf else fewest):
-        return np.linspace(0.0, t_f, max(int(t_f / cell), fewest) + 1)
-    ramp = min(problem.ramp, 0.5 * t_f)
+    has_cruise, count = problem.ramp < inf, int(t_f / cell)
+    most = fewest if has_cruise else int((FIRST_ENTRIES / max(len(problem.limits), 1)) ** 0.5)
+    if count < (most if has_cruise else COARSEST * most):
+        return np.linspace(0.0, t_f, max(min(count, most), fewest) + 1)
+    ramp, longest = min(problem.ramp, 0.5 * t_f), inf if has_cruise else t_f / FEWEST_BETWEEN
     places = np.unique([0.0, ramp, t_f - ramp, t_f])
     edges = [0.0]
     while edges[-1] < t_f:
         ahead = places[np.searchsorted(places, edges[-1], side="right") :]
         far = min(float(np.abs(places - edges[-1]).min()), float(ahead[0]) - edges[-1])
-        edges.append(edges[-1] + max(cell, GROWTH * far))
+        edges.append(edges[-1] + min(max(cell, GROWTH * far), longest))
     return np.array(edges) * (t_f / edges[-1])
+
+
+def _first_points(problem: BoundedProblem, edges: Array) -> Points:
+    """Return all bounds at the ends of cells and, where those are long, evenly between.
+
+    A long cell would keep its bounds at its end only, and run away from them before.
+    """
+    t_f = float(edges[-1])
+    needed = t_f * problem.vibration_rate / RADIANS_PER_CELL
+    if problem.ramp == inf and needed > COARSEST * edges.size:
+        places = int(min(needed, MOST_PLACES / max(len(problem.limits), 1)))
+        edges = np.union1d(edges, np.linspace(0.0, t_f, places + 1))
+    return at_ends(problem, edges)
 
 
 def first_cells(problem: BoundedProblem, *, t_free: float, finer: int = 1) -> Cells:
@@ -175,7 +193,10 @@ def first_cells(problem: BoundedProblem, *, t_free: float, finer: int = 1) -> Ce
         if abs(found.reach - 1.0) < TIME_TOLERANCE * steepness:
             return found
         if found.reach < 1.0:
-            if finer == 1 and slower is None and faster and found.reach < faster.reach:
+            shrinks = slower is None and faster and found.reach < faster.reach
+            if faster and shrinks and _is_coarse(problem, found):
+                raise beyond_time(problem, faster)
+            if finer == 1 and shrinks:
                 return first_cells(problem, t_free=t_free, finer=FINER)
             if found.t_f > HORIZON * t_free or _is_still(earlier, found):
                 raise _out_of_reach(problem, found, t_free)
@@ -204,6 +225,12 @@ def first_cells(problem: BoundedProblem, *, t_free: float, finer: int = 1) -> Ce
     raise ComputationError(Outcome.NO_CONVERGENCE, Message("grid-search-stopped", t_f=t_f))
 
 
+def _is_coarse(problem: BoundedProblem, found: Cells) -> bool:
+    """Return whether cells are too long for the fastest mode: what they cannot do, others may."""
+    count = found.t_f * problem.vibration_rate / RADIANS_PER_CELL
+    return problem.ramp == inf and found.force.size < int(count)
+
+
 def _is_still(earlier: Cells, found: Cells) -> bool:
     """Return whether the reach does not grow any more, over times some way apart."""
     is_long = found.t_f > LONGER * earlier.t_f
@@ -213,7 +240,7 @@ def _is_still(earlier: Cells, found: Cells) -> bool:
 def _evenly(problem: BoundedProblem, t_f: float, *, finer: int, near: Cells | None = None) -> Cells:
     edges = _first_edges(problem, t_f, finer=finer)
     start = near.basis if near is not None and near.force.size == edges.size - 1 else None
-    points = at_ends(problem, edges)
+    points = _first_points(problem, edges)
     if near is not None:  # what the free motions of another time have asked for
         after = near.plan.points.chosen(near.plan.points.limit >= near.limits)
         points = points.joined(after.remaining, after.limit)
@@ -237,7 +264,7 @@ def _first_contacts(problem: BoundedProblem) -> tuple[Array, NDArray[np.intp]]:
 
 def _out_of_reach(problem: BoundedProblem, longest: Cells, t_free: float) -> ComputationError:
     named = describe_bounds(problem.plant, problem.bounds)
-    if longest.t_f > HORIZON * t_free:
+    if longest.t_f > HORIZON * t_free or _is_coarse(problem, longest):
         return beyond_time(problem, longest)
     least = _least_factor(problem, longest.plan)
     if least <= 0.0:  # the program knows no digit of it: nothing is proved against the bounds

@@ -1,8 +1,9 @@
 """A solved sequence without what its conditions do not call for, and with its proof.
 
 A piece that shrank to nothing, or a touch point with a multiplier of the wrong sign, is taken out;
-a bound of order 1 exceeded where the force turns is held there for a while. What a sequence lacks
-besides is not searched for: finer cells show it.
+a bound of order 1 exceeded where the force turns is held there for a while; one of order 2 is left
+where its multiplier has the wrong sign. What a sequence lacks besides is not searched for: finer
+cells show it.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from mtcommission.machine.plant.plant import Plant
 from mtcommission.optimal.control import Arc, Boundary, Interior
 from mtcommission.optimal.newton import RESIDUAL, Extremal, solve_sequence
 from mtcommission.optimal.problem import BoundedProblem
-from mtcommission.optimal.proof import EXCESS, Found, prove
+from mtcommission.optimal.proof import EXCESS, Found, held_with, prove, stretches
 from mtcommission.optimal.sequence import (
     Piece,
     Pieces,
@@ -32,6 +33,8 @@ from mtcommission.optimal.sequence import (
 
 Array = NDArray[np.float64]
 
+MOST_PIECES = 80
+"""Of a sequence: Newton's method takes seconds for more (empirical)."""
 EDITS = 12
 """Changes of a sequence in one go."""
 VANISHED = 1e-6
@@ -58,7 +61,9 @@ def solve_exactly(problem: BoundedProblem, guess: Pieces) -> Found | None:
         best = found or best
         following = _pruned(problem, extremal)
         if following is None and extremal.residual <= RESIDUAL:
-            following = _with_short_arc(problem, extremal)
+            following = _with_short_arc(problem, extremal) or _with_held_touch(problem, extremal)
+            if following is None and best is None:
+                following = _with_turn(problem, extremal)
     return best
 
 
@@ -67,6 +72,9 @@ def _may_be_solved(problem: BoundedProblem, guess: Pieces) -> bool:
     if holds_high_order(problem, guess) or guess[-1].limit >= 0:
         return False
     arcs = [piece for piece in guess if piece.limit >= 0]
+    conditions = problem.fixed.size + sum(problem.limits[piece.limit].order for piece in arcs)
+    if len(guess) < conditions or len(guess) > MOST_PIECES:
+        return False
     return all(problem.limits[p.limit].growth * p.duration <= MOST_GROWTH for p in arcs)
 
 
@@ -139,6 +147,60 @@ def _with_short_arc(problem: BoundedProblem, extremal: Extremal) -> Pieces | Non
         replace(after, duration=after.duration - half),
     ]
     return with_touches(problem, tuple(pieces), touch_points(extremal.pieces))
+
+
+def _with_held_touch(problem: BoundedProblem, extremal: Extremal) -> Pieces | None:
+    """Return the sequence with an arc for a touch point at which the force drives beyond the bound.
+
+    There the signal is least, and beyond its bound before and after: an arc too short for cells.
+    """
+    pieces = extremal.pieces
+    for index, (before, piece) in enumerate(pairwise(pieces)):
+        touch = piece.touch
+        if touch is None or piece.limit >= 0:
+            continue
+        limit = problem.limits[touch.limit]
+        if limit.order == 2 and piece.side == int(np.sign(limit.gain)) * touch.side:
+            span = before.duration + piece.duration
+            arc = Piece(limit=touch.limit, side=touch.side, duration=span)
+            return (*pieces[:index], arc, *pieces[index + 2 :])
+    return None
+
+
+def _with_turn(problem: BoundedProblem, extremal: Extremal) -> Pieces | None:
+    """Return the sequence that leaves an arc of order 2 where holding it costs most; None if none.
+
+    There the motion swings to the other side of the bound and holds that or, where too little
+    time is left, turns back.
+    """
+    pieces = list(_whole(extremal.pieces))
+    most, worst, end = 0.0, None, final_time(extremal.pieces)
+    for index, piece in enumerate(pieces):
+        end, middle = end - piece.duration, end - 0.5 * piece.duration
+        if piece.limit < 0 or problem.limits[piece.limit].order != 2:
+            continue
+        for part in stretches(problem, extremal.measure):
+            if part.end < middle < part.start:
+                for start, stop, cost in held_with(problem, part, -piece.side):
+                    if cost > most:
+                        most, worst = cost, (index, stop - end, start - stop)
+    if worst is None:
+        return None
+    index, late, length = worst
+    held = pieces[index]
+    limit = problem.limits[held.limit]
+    towards = int(np.sign(limit.gain)) * held.side
+    # Full force moves the signal from one bound to the other in twice this time.
+    swing = (2.0 / (problem.force_limit * abs(limit.gain) * problem.rate)) ** 0.5
+    swing = min(swing, 0.25 * length)
+    away, back = (Piece(limit=-1, side=side, duration=swing) for side in (-towards, towards))
+    other = Piece(limit=held.limit, side=-held.side, duration=length - 4.0 * swing)
+    pieces[index : index + 1] = [
+        replace(held, duration=held.duration - length - late),
+        *([away, back, other, back, away] if other.duration > 0.0 else [away, back, back, away]),
+        replace(held, duration=late),
+    ]
+    return with_touches(problem, _whole(pieces), touch_points(extremal.pieces))
 
 
 def _whole(pieces: Iterable[Piece]) -> Pieces:

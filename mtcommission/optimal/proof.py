@@ -18,6 +18,7 @@ Nothing here knows how controls or multipliers were found.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import factorial
 
@@ -264,6 +265,19 @@ def densities(problem: BoundedProblem, part: Stretch) -> tuple[Array, Array]:
     flow = balanced_expm(joint * (part.length / count))
     followed = powers_of(flow, np.append(held.chart @ part.adjoint, 0.0), count)
     return followed[:, :n] @ to_density, followed[:, n]
+
+
+def held_with(
+    problem: BoundedProblem, part: Stretch, sign: int
+) -> Iterator[tuple[float, float, float]]:
+    """Yield where the density of an interior has a sign, as start > end, and its integral there."""
+    density = sign * densities(problem, part)[0]
+    tau = np.linspace(part.end, part.start, density.size)
+    turns = np.flatnonzero(np.diff(np.pad((density >= 0.0).astype(np.int8), 1)))
+    for first, stop in zip(turns[::2].tolist(), turns[1::2].tolist(), strict=True):
+        if stop - first > 1:
+            worth = float(density[first:stop].sum()) * part.length / (density.size - 1)
+            yield float(tau[stop - 1]), float(tau[first]), worth
 
 
 def _integrals_of_sizes(problem: BoundedProblem, rows: Array, lengths: Array) -> Array:

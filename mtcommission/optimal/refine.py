@@ -28,7 +28,7 @@ from mtcommission.optimal.program import (
 from mtcommission.optimal.proof import (
     Dual,
     Stretch,
-    densities,
+    held_with,
     require_followable,
     slopes,
     weigh,
@@ -71,8 +71,9 @@ LEAST_CELL = 1e-9
 """Share of t_f that new edges keep from old ones."""
 SPARE = 1.2
 """Reach that a control on cells has to spare, over what it exceeds bounds by."""
-FULL = 1.0 - 1e-9
-"""Share of the force limit from which a cell is a bang arc, as is one within that of the next."""
+FULL = 1.0 - 1e-11
+"""Share of the force limit from which a cell is a bang arc, as is one within that of the next:
+tight bounds keep deflections to a thousandth of what the force limit causes."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -106,7 +107,7 @@ def refined(problem: BoundedProblem, first: Cells) -> Iterator[Seen]:
                 raise beyond_time(problem, first)
             # The arcs that it holds are not those of the optimum: shorter cells show them.
             edges = np.union1d(edges, 0.5 * (edges[1:] + edges[:-1]))
-            plan = Plan(edges=edges, points=seen.cells.acting)
+            plan = _halved(best.cells) if best else Plan(edges=edges, points=seen.cells.acting)
         else:
             seen = observe(problem, cells)
             yield seen
@@ -186,12 +187,8 @@ def _rightly_held(
     for one in interiors:
         middle = 0.5 * (one.start + one.end)
         part = next(part for part in parts if part.end <= middle <= part.start)
-        density = one.side * densities(problem, part)[0]
-        tau = np.linspace(part.end, part.start, density.size)
-        turns = np.flatnonzero(np.diff(np.pad((density >= 0.0).astype(np.int8), 1)))
-        for first, stop in zip(turns[::2].tolist(), turns[1::2].tolist(), strict=True):
-            if stop - first > 1:
-                found.append(replace(one, end=float(tau[first]), start=float(tau[stop - 1])))
+        for start, end, _ in held_with(problem, part, one.side):
+            found.append(replace(one, start=start, end=end))
     return found
 
 

@@ -8,7 +8,7 @@ from the bound, an arc of order 1 is entered by driving towards it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby, pairwise
 
@@ -183,19 +183,57 @@ def detect_sequence(
 ) -> Pieces:
     """Return the pieces that a dual point shows."""
     pieces: list[Piece] = []
-    parts, zeros = dual.parts, dual.zeros
-    position = parts[0].start
-    after = 0
+    for way in _ways(problem, structure.arcs, dual.parts[0].start):
+        edges = _edges(dual.zeros, way.start, way.end, mesh, first=not pieces)
+        pieces += _bang_pieces(problem, dual.parts, edges, after=way.after, before=way.before)
+        pieces += way.arc
+    return with_touches(problem, tuple(pieces), structure.touches)
+
+
+def plainest_sequence(problem: BoundedProblem, structure: Structure, dual: Dual) -> Pieces:
+    """Return the fewest pieces that lead from arc to arc.
+
+    Cells that are long against the time in which the force moves a signal across its bounds
+    part arcs and turn the force more often than the optimum does.
+    """
+    arcs: list[ArcInterior] = []
     for arc in structure.arcs:
+        if arcs and (arcs[-1].limit, arcs[-1].side) == (arc.limit, arc.side):
+            arcs[-1] = replace(arcs[-1], end=arc.end)
+        else:
+            arcs.append(arc)
+    pieces: list[Piece] = []
+    for way in _ways(problem, arcs, dual.parts[0].start):
+        edge = 0.01 * (way.start - way.end)
+        first = way.after or sigma_sign(problem, dual.parts, way.start - edge)
+        last = way.before or sigma_sign(problem, dual.parts, way.end + edge)
+        sides = (first,) if first == last else (first, last)
+        duration = (way.start - way.end) / len(sides)
+        pieces += [Piece(limit=-1, side=side, duration=duration) for side in sides]
+        pieces += way.arc
+    return tuple(pieces)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Way:
+    """What lies before an arc or, last, before the end."""
+
+    start: float  # Remaining times start > end [s]
+    end: float
+    after: int  # Sign of the force that leaves the arc before, 0 at rest
+    before: int  # And of the one that enters the next
+    arc: tuple[Piece, ...]  # The arc, if any
+
+
+def _ways(problem: BoundedProblem, arcs: Sequence[ArcInterior], start: float) -> Iterator[_Way]:
+    after = 0
+    for arc in arcs:
         towards = int(np.sign(problem.limits[arc.limit].gain)) * arc.side
         before = towards if problem.limits[arc.limit].order % 2 else -towards
-        edges = _edges(zeros, position, arc.start, mesh, first=not pieces)
-        pieces += _bang_pieces(problem, parts, edges, after=after, before=before)
-        pieces.append(Piece(limit=arc.limit, side=arc.side, duration=arc.start - arc.end))
-        position, after = arc.end, -towards
-    edges = _edges(zeros, position, 0.0, mesh, first=not pieces)
-    pieces += _bang_pieces(problem, parts, edges, after=after, before=0)
-    return with_touches(problem, tuple(pieces), structure.touches)
+        piece = Piece(limit=arc.limit, side=arc.side, duration=arc.start - arc.end)
+        yield _Way(start=start, end=arc.start, after=after, before=before, arc=(piece,))
+        start, after = arc.end, -towards
+    yield _Way(start=start, end=0.0, after=after, before=0, arc=())
 
 
 def _edges(zeros: Array, start: float, end: float, mesh: Array, *, first: bool) -> Array:
