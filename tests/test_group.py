@@ -12,10 +12,12 @@ from mtcommission.base.errors import InputError
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.cli.group_view import say_next
 from mtcommission.controls.control import Corner, CornerRule
+from mtcommission.group import follow as follow_module
 from mtcommission.group.contours import (
     Turning,
     corner_deviation,
     deviate,
+    line_deviation,
     speeds_at_once,
     tell_corner,
     turnings,
@@ -258,6 +260,14 @@ def test_lines_in_every_direction_keep_what_was_judged_in_the_second_program(joi
 
 
 # What is told
+
+
+def test_lines_at_long_ramps_are_those_of_every_cycle(joined, monkeypatch):
+    """Every cycle of ramps of a minute took 10 GB."""
+    path = replace(joined.path, acceleration=2e-3, jerk=1e-3)
+    thinned = line_deviation(joined.pair, feed=0.05, limits=path)
+    monkeypatch.setattr(follow_module, "ALL_LOOKED_AT", 10**9)
+    assert line_deviation(joined.pair, feed=0.05, limits=path) == pytest.approx(thinned, rel=5e-3)
 
 
 def test_axes_come_as_late_as_the_slowest_where_the_control_takes_a_wait():

@@ -29,10 +29,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.controls.control import Corner, CornerRule
-from mtcommission.group.follow import Circles, Follower, starts_of
+from mtcommission.group.follow import Circles, Follower, instants_of, starts_of
 from mtcommission.machine.moves import VelocityStep
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.setpoint.setpoint import jerk_steps
+from mtcommission.setpoint.setpoint import JerkSteps, jerk_steps
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -473,9 +473,17 @@ def line_deviation(pair: Pair, *, feed: float, limits: PathLimits) -> tuple[floa
     a, j = (np.repeat(one, len(RISES)) for one in limits.along(slopes))
     sizes = np.tile(feed * RISES, len(slopes))
     steps = jerk_steps(VelocityStep(velocity_step=feed), acceleration=a, jerk=j, size=sizes)
-    cycles = max(axis.cycles(float(steps.duration.max())) for axis in pair)
-    x, y = (np.moveaxis(axis.tool(steps, cycles), 1, 0) for axis in pair)
-    apart = np.max([np.abs(one - other).max(axis=1) for one in x for other in y], axis=0)
-    off = np.sin(slopes) * np.cos(slopes) * apart.reshape(len(slopes), -1).max(axis=1)
+    own = (np.split(one, len(slopes)) for one in (steps.times, steps.steps))
+    apart = [
+        _apart(pair, JerkSteps(times=times, steps=sizes)) for times, sizes in zip(*own, strict=True)
+    ]
+    off = np.sin(slopes) * np.cos(slopes) * np.array(apart)
     worst = int(off.argmax())
     return float(off[worst]), float(slopes[worst])
+
+
+def _apart(pair: Pair, steps: JerkSteps) -> float:
+    """How far two axes are apart at most behind the same setpoints, in any corner of each [m]."""
+    each = instants_of(pair, steps)
+    x, y = (np.moveaxis(axis.tool(steps, each), 1, 0) for axis in pair)
+    return max(float(np.abs(one - other).max()) for one in x for other in y)

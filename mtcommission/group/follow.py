@@ -16,8 +16,16 @@ from numpy.typing import NDArray
 
 from mtcommission.loop.disturbance import simulate_disturbance
 from mtcommission.loop.model.assembly import SampledLoop
-from mtcommission.loop.poles import LoopPoles, find_poles
-from mtcommission.loop.respond import FORCE, TOOL, outputs_at, set_in_motion, swing_times
+from mtcommission.loop.poles import Cycles, LoopPoles, find_poles
+from mtcommission.loop.respond import (
+    FORCE,
+    TOOL,
+    Motions,
+    lay_grid,
+    outputs_at,
+    set_in_motion,
+    swing_times,
+)
 from mtcommission.loop.simulate import drive_loops, friction_of
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
@@ -44,6 +52,9 @@ LATE = 100.0
 
 FINER = 4
 """Instants of a position cycle that are looked at."""
+
+ALL_LOOKED_AT, SAMPLES = 4000, 48
+"""Position cycles that are all looked at; instants to a period of longer answers (empirical)."""
 
 PAUSE = 1.5
 """How long an axis moves before it reverses, and between two reversals where a circle is made up
@@ -118,9 +129,19 @@ class Follower:
         own = self.setpoint_filter.duration if self.setpoint_filter else 0.0
         return ceil((duration + own + rest) / self.poles.dt) + 2
 
-    def tool(self, steps: JerkSteps, cycles: int) -> Array:
-        """Return the tool's position for some cycles, (n_setpoints, n_corners, n_times)."""
-        found = self._outputs(steps, cycles, TOOL)[:, :, :, self._parts]
+    def behind_steps(self, steps: JerkSteps) -> Cycles:
+        """Return cycles behind each step of setpoints, ever fewer of them, (n_setpoints, n_times).
+
+        As the swings of its poles show in them, however long the setpoints last.
+        """
+        behind = self.poles.recent + lay_grid(self.poles, SAMPLES).cycle
+        behind = np.append(np.arange(self.poles.recent), behind[behind < self.cycles(0.0)])
+        first = self._motions(steps).first
+        return (first[:, :, None] + behind).reshape(len(first), -1)
+
+    def tool(self, steps: JerkSteps, each: Cycles) -> Array:
+        """Return the tool's position in some cycles, (n_setpoints, n_corners, n_times)."""
+        found = self._outputs(steps, each, TOOL)[:, :, :, self._parts]
         return np.asarray(found.reshape(*found.shape[:2], -1), dtype=np.float64)
 
     def to_step(self, derivative: int, starts: Array, cycles: int) -> Array:
@@ -128,7 +149,7 @@ class Follower:
 
         ``derivative``: 1 the velocity, 2 the acceleration; ``starts``: when it comes [s].
         """
-        return self.tool(_step_of(derivative, starts), cycles)
+        return self.tool(_step_of(derivative, starts), _from_begin(starts, cycles))
 
     def largest_step(self, starts: Array) -> float:
         """Return the step of velocity [m/s] that takes all of the force, in any corner.
@@ -137,15 +158,17 @@ class Follower:
         """
         if self.tuned.controller.follows:
             return inf
-        force = np.abs(self._outputs(_step_of(1, starts), self.cycles(0.0), FORCE)).max()
+        each = _from_begin(starts, self.cycles(0.0))
+        force = np.abs(self._outputs(_step_of(1, starts), each, FORCE)).max()
         return self.machine.drive.motion_force / float(force)
 
-    def _outputs(self, steps: JerkSteps, cycles: int, output: int) -> Array:
-        """An output, (n_setpoints, n_corners, n_cycles, velocity cycles)."""
+    def _motions(self, steps: JerkSteps) -> Motions:
         late = replace(steps, times=steps.times + self.wait)
-        motions = set_in_motion(self.poles, filter_steps(late, self.setpoint_filter))
-        each = np.tile(np.arange(cycles), (len(steps.times), 1))
-        found = outputs_at(motions, each, np.eye(self.poles.outputs)[output])
+        return set_in_motion(self.poles, filter_steps(late, self.setpoint_filter))
+
+    def _outputs(self, steps: JerkSteps, each: Cycles, output: int) -> Array:
+        """An output, (n_setpoints, n_corners, n_cycles, velocity cycles)."""
+        found = outputs_at(self._motions(steps), each, np.eye(self.poles.outputs)[output])
         return np.asarray(found[..., 0], dtype=np.float64)
 
     @lru_cache(maxsize=32)  # noqa: B019 (the group asks, its sheet and its page ask again)
@@ -224,6 +247,18 @@ def starts_of(axes: Sequence[Follower]) -> Array:
     dt = axes[0].poles.dt
     found = [(phase * dt - axis.wait) % dt for axis in axes for phase in PHASES]
     return np.unique(np.round(found, 12) % dt)
+
+
+def instants_of(axes: Sequence[Follower], steps: JerkSteps) -> Cycles:
+    """Return cycles in which answers to setpoints are worth a look, (n_setpoints, n_times)."""
+    count = max(axis.cycles(float(steps.duration.max())) for axis in axes)
+    if count <= ALL_LOOKED_AT:
+        return _from_begin(steps.times, count)
+    return np.concatenate([axis.behind_steps(steps) for axis in axes], axis=1)
+
+
+def _from_begin(starts: Array, cycles: int) -> Cycles:
+    return np.tile(np.arange(cycles), (len(starts), 1))
 
 
 def _step_of(derivative: int, starts: Array) -> JerkSteps:
