@@ -339,6 +339,7 @@ def test_simulate_and_limits_agree_with_each_other(run, tmp_path):
     # What qualifies the verdict stands beside it, not below all that follows.
     told = run("simulate", PAPER, *typed)[1]
     assert told.index("Warning: Simulated without") < told.index("Simulated: a ")
+    assert "Payload" not in told  # the machine has none
 
 
 def test_a_console_of_another_code_page(tmp_path):

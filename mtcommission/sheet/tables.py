@@ -116,8 +116,14 @@ PATH_GAINS = (
 
 
 def place_columns(items: Iterable[Any]) -> tuple[Quantity, ...]:
-    """Return the columns that tell a corner, with its state where one of them has one."""
-    return (STATE, *CORNER) if any(item.state for item in items) else CORNER
+    """Return the columns that tell a corner; without payload or state where none has one."""
+    items = tuple(items)
+    payload, *factors = CORNER
+    return (
+        *([STATE] if any(item.state for item in items) else []),
+        *([payload] if any(item.payload for item in items) else []),
+        *factors,
+    )
 
 
 def show(value: Any, words: Catalogue, unit: str = "", missing: str = "", digits: int = 0) -> str:

@@ -257,8 +257,8 @@ def _warnings(record: Record, words: Catalogue) -> tuple[Paragraph, ...]:
 
 
 def _checks(record: Record, words: Catalogue) -> Table:
-    name = Quantity("check", lambda one: capitalised(say_requirement(one.name, words)), width=1.8)
-    columns = (name, *check_columns(words), Quantity("where", "where", width=5.35))
+    name = Quantity("check", lambda one: capitalised(say_requirement(one.name, words)), width=1.75)
+    columns = (name, *check_columns(words), Quantity("where", "where", width=5.7))
     checks = record.assessment.checks
     caption = "checks-caption" if _serves_listed(record) else "checks-any-size-caption"
     return table(words, caption, columns, checks, strong=lambda check: not check.met)
@@ -271,8 +271,8 @@ def check_columns(words: Catalogue) -> tuple[Quantity, ...]:
         return check.unit
 
     return (
-        Quantity("found", "value", unit_of, "not-settled", width=1.3),
-        Quantity("permitted", "limit", unit_of, width=1.45),
+        Quantity("found", "value", unit_of, "not-settled", width=1.25),
+        Quantity("permitted", "limit", unit_of, width=1.4),
         Quantity("share-used", lambda check: share_used(check, words), "%", width=1.15),
         Quantity("verdict", lambda check: verdict_on(check, words), width=1.25),
     )

@@ -71,7 +71,7 @@ change-lag = Halbe Verzögerung der { word-force-before }regelung
 change-dwell = Ruhezeit ab { TIME($dwell) } je Bewegung
 change-rest = Längere Ruhezeit nach jeder Bewegung
 change-spread = Streuung der Frequenzen von ± { SHARE($spread) } (über Positionen und Zuladungen gemessen)
-change-state-feedback = Zustandsregelung mit Beobachter
+change-state-feedback = Zustandsrückführung mit Beobachter
 change-saves-little = spart weniger als { SHARE($share) } der Einschwingzeit
 change-without-margins = kein Kp hält die Reserven ein
 
