@@ -72,6 +72,10 @@ PHASES = 8
 SHARES = np.geomspace(0.01, 1.0, 24)
 """Of the listed size, at which what counts during a move is looked at, where all sizes count."""
 
+NEARER = 9
+"""Sizes from the next smaller to the next larger one, at which what counts during a move is looked
+at about the worst (empirical: within 0.3 % of dense sizes, without them 2 % below)."""
+
 TOGETHER = 128
 """Sizes that are judged at once: keeps their free motion in the cache."""
 
@@ -236,41 +240,48 @@ class _Sizes:
         return left.max(axis=1), left.argmax(axis=1)
 
     def worst_during(self, place: int, swings: Swings) -> list[SizeCheck]:
-        """Return the worst of swings looked at together, of some sizes."""
-        steps, every = self._some(swings.moves[place]), np.arange(self.poles.cycles)
-        found, grid, checks = swings.largest(self.poles, steps), every_part(self.poles, SAMPLES), []
+        """Return the worst of swings looked at together, of some sizes, closer about the worst."""
+        move, shares = swings.moves[place], self._shares
+        found = swings.largest(self.poles, self._plan(move, shares))
+        if len(shares) > 1:
+            worst = np.unique(found.argmax(axis=0))
+            ends = shares[np.maximum(worst - 1, 0)], shares[np.minimum(worst + 1, len(shares) - 1)]
+            closer = np.unique(np.geomspace(*ends, NEARER)[1:-1])
+            more = swings.largest(self.poles, self._plan(move, closer))
+            shares, found = np.append(shares, closer), np.concatenate([found, more])
+        every, grid, checks = np.arange(self.poles.cycles), every_part(self.poles, SAMPLES), []
         for k, requirement in enumerate(swings.requirements):
-            worst, row = int(found[:, k].argmax()), swings.rows[k : k + 1]
-            alone = set_in_motion(self.poles, steps.only([worst]))
+            share, row = shares[[found[:, k].argmax()]], swings.rows[k : k + 1]
+            alone = set_in_motion(self.poles, self._plan(move, share))
             peaks = extremes(alone, grid, row, parts=every, less=swings.less)
             values = requirement.noisy(peaks[0, :, 0], self.noises)
-            checks.append(self._check(place, requirement, values, worst))
+            checks.append(self._check(place, requirement, values, size_of(move) * share[0]))
         return checks
 
     def worst_mean(self, place: int, requirement: Requirement, mean: Mean) -> SizeCheck:
         """Return the worst of means, at the size at which the rigid axis has it."""
         move = self.machine.moves[place]
-        steps = self._some(move)
+        steps = self._plan(move, self._shares)
         worst = int(mean.estimate(self.machine, move, steps).argmax())
         found = mean.exact(self.machine, self.poles, move, steps.only([worst]), MEAN_CYCLES)
         values = requirement.noisy(found, self.noises)
-        return self._check(place, requirement, values, worst)
+        return self._check(place, requirement, values, size_of(move) * self._shares[worst])
 
     @property
     def _shares(self) -> Array:
         return SHARES if self.machine.requirements.every_size else np.ones(1)
 
-    def _some(self, move: Move) -> JerkSteps:
-        return plan_sizes(move, size_of(move) * self._shares, self.limits)
+    def _plan(self, move: Move, shares: Array) -> JerkSteps:
+        return plan_sizes(move, size_of(move) * shares, self.limits)
 
-    def _check(self, place: int, requirement: Requirement, values: Array, size: int) -> SizeCheck:
+    def _check(self, place: int, requirement: Requirement, values: Array, size: float) -> SizeCheck:
         corner = int(values.argmax())
         return SizeCheck(
             requirement=requirement,
             value=float(values[corner]),
             bound=nan,
             move=place + 1,
-            size=float(size_of(self.machine.moves[place]) * self._shares[size]),
+            size=float(size),
             corner=self.corners[corner],
         )
 
