@@ -12,7 +12,7 @@ from mtcommission.limits.bench import build_bench
 from mtcommission.limits.every_size import CLOSER, SizeCheck, judge_sizes
 from mtcommission.limits.explore import explore
 from mtcommission.limits.judge import evaluate, simulate_moves
-from mtcommission.limits.requirements import RESIDUAL_DEVIATION, SET_FORCE
+from mtcommission.limits.requirements import CONTOUR_DEVIATION, RESIDUAL_DEVIATION, SET_FORCE
 from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.loop.tuning.tuning import tune_loop
@@ -118,6 +118,22 @@ def test_ripple_within_a_position_cycle_counts_in_the_largest_force(name, averag
     moves = simulate_moves(machine, tuned, limits)
     stepped = max(response.max_force for move in moves for response in move.responses)
     assert found.value == pytest.approx(stepped, rel=1e-6)
+
+
+def test_no_size_leaves_its_contour_further_than_is_said() -> None:
+    """The size that is worst lay between two that were looked at, 2 % above both."""
+    machine = read_shipped("mill-x").machine
+    tuned, drive = tune_loop(machine), machine.drive
+    item = SetpointFilter(kind=TWO_AVERAGES, time=0.016, second_time=0.016)
+    limits = MotionLimits(acceleration=10.6, jerk=321.0, setpoint_filter=item)
+    said = check_of(judge_sizes(machine, tuned, limits), CONTOUR_DEVIATION)
+    move = CONTOUR_DEVIATION.judged(machine, machine.moves[0])
+    loop = tuned.loops[tuned.corners.index(said.corner)]
+    stepped = [
+        simulate(loop, plan_setpoint(resize(move, size), limits), drive=drive, band=1e-6)
+        for size in said.size * np.geomspace(0.8, 1.25, 46)
+    ]
+    assert said.value >= 0.995 * max(one.peak_deviation for one in stepped)
 
 
 def test_nothing_on_a_grid_is_sooner():
