@@ -171,9 +171,10 @@ class Ordered:
 
     @property
     def is_good(self) -> bool:
-        """Whether there are only modes, and residuals that are noise: small, or white."""
-        is_noise = self.model_error < SUSPICIOUS or self.correlation < WHITE
-        return bool(self.is_mode.all()) and is_noise
+        """Whether residuals are noise, small or white; with background both."""
+        is_small, is_white = self.model_error < SUSPICIOUS, self.correlation < WHITE
+        is_noise = (is_small or is_white) if self.is_mode.all() else (is_small and is_white)
+        return bool(is_noise)
 
 
 def choose_modes(responses: Sequence[Lines], *, count: int | None = None) -> Ordered:
