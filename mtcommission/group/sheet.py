@@ -290,10 +290,10 @@ def say_corners(record: GroupRecord, words: Catalogue) -> str:
 
 
 def _checks(record: GroupRecord, words: Catalogue) -> Table:
-    name, where = Quantity("check", "label", width=2.95), Quantity("where", "where", width=8.4)
-    found, *others = check_columns(words)[:-1]
+    name, where = Quantity("check", "label", width=2.9), Quantity("where", "where", width=7.85)
     # Rows that are not kept stand out; that leaves room for the place, and bold numbers need some.
-    columns = name, replace(found, width=1.55), *others, where
+    numbers = zip(check_columns(words), (1.55, 1.75, 1.5), strict=False)
+    columns = name, *(replace(one, width=width) for one, width in numbers), where
     checks = record.assessment.checks
     return table(words, "checks-caption", columns, checks, strong=lambda check: not check.met)
 
