@@ -187,23 +187,21 @@ UNKNOWN = (
 """What may be null, wherever it stands but in the loop."""
 
 
-def _forget(item: Any) -> None:
-    for key, value in item.items() if isinstance(item, dict) else enumerate(item):
-        if key in UNKNOWN:
-            item[key] = _nothing(value)
-        elif isinstance(value, dict | list):
-            _forget(value)
-
-
-def _nothing(value: Any) -> Any:
-    return [_nothing(one) for one in value] if isinstance(value, list) else None
+def _forget(item: Any, *, is_unknown: bool = False) -> Any:
+    if isinstance(item, list):
+        return [_forget(one, is_unknown=is_unknown) for one in item]
+    if is_unknown:
+        return None
+    if isinstance(item, dict):
+        return {key: _forget(value, is_unknown=key in UNKNOWN) for key, value in item.items()}
+    return item
 
 
 def unsettled_record() -> Json:
     """Nothing settles, nothing is met, and every null is null."""
     record = example_record()
     for part in ("limits", "moves", "optima", "robustness"):
-        _forget(record[part])
+        record[part] = _forget(record[part])
     limits, loop = record["limits"], record["loop"]
     for item in (loop, loop["worst_corner"]):
         item |= dict.fromkeys(("gain_margin_db", "phase_margin_deg", "bandwidth_hz"))
