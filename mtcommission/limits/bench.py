@@ -11,7 +11,7 @@ up most; later ones only grow less. ``limits.every_size`` has the last word.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from math import isfinite
 
@@ -59,7 +59,6 @@ class Learnt:
     behind: dict[SetpointFilter | None, Use] = field(default_factory=dict)
     excess: dict[str, float] = field(default_factory=dict)  # see ``Use.of_means``
     hardest: int = 0  # which of ``Bench.during`` used most the last time
-    worst: dict[int, float] = field(default_factory=dict)  # sizes at which these did, by the move's
     as_expected: set[int] = field(default_factory=set)  # which use no more than that
 
 
@@ -269,39 +268,21 @@ class Use:
 
         ``is_enough``: of a share from which on more of it need not be known.
         """
-        learnt, used = self.bench.learnt, 0.0
-        for place, size, share in self._of_sizes(a, t_j):
-            if share > used:
-                used, learnt.hardest, learnt.worst[place] = share, place, size
-            if is_enough(used):
-                break
-        return used
-
-    def _of_sizes(self, a: float, t_j: float) -> Iterator[tuple[int, float, float]]:
-        """What is judged during the move: of the size that was the worst, then of all others.
-
-        By its place; with the size that uses most, by that of the move, and what it uses [-].
-        """
-        bench, learnt = self.bench, self.bench.learnt
+        bench, learnt, used = self.bench, self.bench.learnt, 0.0
         for place in sorted(range(len(bench.during)), key=lambda k: k != learnt.hardest):
-            one, most = bench.during[place], 0.0
+            one = bench.during[place]
             expected = one.expected(bench.machine, a)
             if expected < 1.0 and place in learnt.as_expected:
                 continue
-            shares = self._lay_shares(one.move, a, t_j)
-            likely = int(np.abs(np.log(shares / learnt.worst.get(place, 1.0))).argmin())
-            for part in (shares[[likely]], np.delete(shares, likely)):
-                if not len(part):
-                    continue
-                full = np.full_like(part, a)
-                sizes = part * size_of(one.move)
-                steps = jerk_steps(one.move, acceleration=full, jerk=full / t_j, size=sizes)
-                found = one.swings.largest(bench.poles, filter_steps(steps, self.item)) / one.left
-                worst = int(found.max(axis=1).argmax())
-                most = max(most, float(found[worst].max()))
-                yield place, float(part[worst]), float(found[worst].max())
-            if most <= expected:
+            steps = filter_steps(self._sizes(one.move, a, t_j), self.item)
+            share = float((one.swings.largest(bench.poles, steps) / one.left).max())
+            if share <= expected:
                 learnt.as_expected.add(place)
+            if share > used:
+                used, learnt.hardest = share, place
+            if is_enough(used):
+                break
+        return used
 
     def of_rise(self, a: Array, t_j: Array) -> Array:
         """Return the share of the same that the rise of the acceleration uses, shape of ``a``.
@@ -324,13 +305,15 @@ class Use:
             used = np.maximum(used, share.max(axis=1))
         return used
 
-    def _lay_shares(self, move: Move, a: float, t_j: float) -> Array:
-        """Some sizes of a move, and those that just reach the acceleration, by its own [-]."""
-        if not self.bench.every_size:
-            return np.ones(1)
-        just = a * t_j if isinstance(move, VelocityStep) else 2.0 * a * t_j**2
-        reach = just / size_of(move)
-        return np.unique(np.clip([*SIZES, reach, 1.3 * reach], 1e-6, 1.0))
+    def _sizes(self, move: Move, a: float, t_j: float) -> JerkSteps:
+        """Some sizes of a move, and those that just reach the acceleration."""
+        shares = np.ones(1)
+        if self.bench.every_size:
+            just = a * t_j if isinstance(move, VelocityStep) else 2.0 * a * t_j**2
+            reach = just / size_of(move)
+            shares = np.unique(np.clip([*SIZES, reach, 1.3 * reach], 1e-6, 1.0))
+        full, sizes = np.full_like(shares, a), shares * size_of(move)
+        return jerk_steps(move, acceleration=full, jerk=full / t_j, size=sizes)
 
 
 SIZES = (0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
