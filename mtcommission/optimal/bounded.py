@@ -43,20 +43,12 @@ from mtcommission.optimal.problem import (
     describe_bounds,
 )
 from mtcommission.optimal.proof import Found, prove, require_followable, slopes
-from mtcommission.optimal.refine import MOST_RADIANS, Seen, cell_arcs, finish, refined
+from mtcommission.optimal.refine import Seen, cell_arcs, finish, refined
 from mtcommission.optimal.sequence import detect_sequence, plainest_sequence
+from mtcommission.optimal.settings import SETTINGS
 
 Array = NDArray[np.float64]
 
-ENOUGH = 7e-7
-"""Gap at which cells are fine enough where no exact sequence exists."""
-FINISHES = (3e-8, 1e-6)
-"""What a control on cells may exceed bounds by before its forces are divided by the reach: the
-second where the first asks too much."""
-SLOW = 10.0
-"""Times the move without bounds from which on the search begins at that of the rigid axis."""
-SAME_TIME = 1e-7
-"""Relative distance at which a zero of σ and a switching time count as the same."""
 SHORTEST_RAMP = 1e-4
 """Of the acceleration from 0 to its limit, times the fastest mode [rad]: proofs of 1e-8 there, and
 searches that do not end below (measured)."""
@@ -105,8 +97,8 @@ def solve_bounded_time_optimal(
     found = _under_force_bound(problem, move)
     if found is None:
         least = least_motion_time(move, force_limit / plant.moving_mass)
-        require_followable(least, problem.rate, most=MOST_RADIANS)
-        found = _search(problem, t_free=least if least > SLOW * free.t_f else free.t_f)
+        require_followable(least, problem.rate, most=SETTINGS.most_radians)
+        found = _search(problem, t_free=least if least > SETTINGS.slow * free.t_f else free.t_f)
     return _as_optimum(problem, move, every, found)
 
 
@@ -166,11 +158,13 @@ def _search(problem: BoundedProblem, *, t_free: float) -> Found:
         may_be_exact = False
         if best is None or seen.gap < best.gap:
             best, may_be_exact = seen, not holds_high_order(problem, guess)
-        if best.gap < ENOUGH and not may_be_exact:
+        if best.gap < SETTINGS.enough and not may_be_exact:
             break
     # Where an arc is held too long for a control that has to enter it, the first cells hold none.
     measure = first.measure if best is None else best.cells.measure
-    for known, tolerance in product((first,) if best is None else (best.cells, first), FINISHES):
+    for known, tolerance in product(
+        (first,) if best is None else (best.cells, first), SETTINGS.finishes
+    ):
         cells = finish(problem, known, tolerance=tolerance)
         if cells is None:
             continue
@@ -231,4 +225,4 @@ def _law_holds(found: Found) -> bool:
     """Return whether σ changes sign off the boundary arcs just where the force switches."""
     ends = found.t_f - np.array([0.0, *(arc.t_end for arc in found.motion.arcs)])
     distance = np.abs(found.dual.zeros[:, np.newaxis] - ends).min(axis=1)
-    return bool(np.all(distance < SAME_TIME * found.t_f))
+    return bool(np.all(distance < SETTINGS.same_time * found.t_f))

@@ -18,7 +18,6 @@ from mtcommission.optimal.linear_program import Basis, Program, solve_program
 from mtcommission.optimal.modes import in_moments
 from mtcommission.optimal.problem import BoundedProblem, describe_bounds
 from mtcommission.optimal.program import (
-    STEPS,
     Cells,
     Plan,
     Points,
@@ -30,11 +29,9 @@ from mtcommission.optimal.program import (
     segments,
     solve_cells,
 )
+from mtcommission.optimal.settings import SETTINGS
 
 Array = NDArray[np.float64]
-
-LEAST_TOLERANCE = 2e-4
-"""By how much the smallest possible bound is rounded up: shorter cells would tell it that well."""
 
 
 def _least_factor(problem: BoundedProblem, plan: Plan) -> float:
@@ -55,49 +52,15 @@ def _least_factor(problem: BoundedProblem, plan: Plan) -> float:
             lower=np.append(-np.ones(cells), 0.0),
             upper=np.append(np.ones(cells), inf),
         ),
-        steps=STEPS * (cells + len(rows)),
+        steps=SETTINGS.steps * (cells + len(rows)),
     )
     return inf if solution is None else float(solution.unknowns[-1])
 
 
-FEWEST_CELLS, RADIANS_PER_CELL = 100, 0.8
-"""Even cells at first: enough to see every feature, and to resolve the fastest mode (empirical)."""
-FIRST_ENTRIES, MOST_PLACES = 7.5e5, 1200
-"""Cells times points of a first program, few enough for half a second, and points where cells are
-longer than for the bounds between their ends (empirical)."""
-COARSEST, FEWEST_BETWEEN = 2.5, 200
-"""Times the length of cells that resolves the fastest mode up to which they are even, and cells
-that a longer move has at least (empirical)."""
-GROWTH = 0.15
-"""Of cells with the distance from the ends of a long move and of its cruise (empirical)."""
-FINER = 4
-"""Times as many cells where more time takes reach, which no motion loses by waiting: there a bound
-is so close to the least possible that the length of the cells decides (empirical)."""
-TIME_STEPS, HORIZON = 24, 60.0
-"""Programs of the first search of t_f, and its longest t_f in multiples of the free optimum."""
-FAR = 3.0
-"""The same from which on a program that rounding spoils ends the search."""
-TIME_TOLERANCE = 1e-3
-"""|α - 1| at which the first search ends, times dα/dlog t_f between the next two."""
-STEEPNESS = (0.01, 1.0)
-LONGER, STANDSTILL = 1.5, 1e-3
-"""Factor between two times over which the reach has to grow, by how much, or it never will."""
-INSIDE = (0.02, 0.98)
-"""Share of a bracket of t_f in which the next time lies."""
-LARGEST_CHANGE = 0.02
-"""Relative change of t_f in one step."""
-MOST_ENTRIES = 1.25e6
-"""Cells times points of a program: a second at most."""
-CONTACT_RADIANS, CONTACTS = 6.3, 12
-"""Of the slowest mode, over which the free motion is asked at first, and at how many instants."""
-EXCHANGES = 12
-"""Rounds at most in which peaks become points and t_f is corrected."""
-
-
 def _later(cells: Cells, *, wanted: float) -> float:
     """Return the factor on t_f at which the reach should be what is wanted, within safe steps."""
-    change = (wanted - cells.reach) / max(cells.slope * cells.t_f, STEEPNESS[0])
-    return 1.0 + float(np.clip(change, -LARGEST_CHANGE, LARGEST_CHANGE))
+    change = (wanted - cells.reach) / max(cells.slope * cells.t_f, SETTINGS.least_slope)
+    return 1.0 + float(np.clip(change, -SETTINGS.largest_change, SETTINGS.largest_change))
 
 
 def exchange(
@@ -115,14 +78,14 @@ def exchange(
     ``wanted``: the reach; ``relaxed``: as ``program.segments``.
     """
     found: Cells | None = None
-    for _ in range(EXCHANGES):
+    for _ in range(SETTINGS.exchanges):
         following = solve_cells(problem, plan, start=start, relaxed=relaxed)
         if following is None:
             break
         before, found = found, following
         # Where the first cells say nothing of the slope, a chord over more and more points must do.
         is_same = before is not None and before.weights.size == found.weights.size
-        is_flat = found.slope * found.t_f < STEEPNESS[0]
+        is_flat = found.slope * found.t_f < SETTINGS.least_slope
         if before is not None and (is_same or is_flat) and found.t_f != before.t_f:
             secant = (found.reach - before.reach) / (found.t_f - before.t_f)
             found = replace(found, slope=secant) if secant > 0.0 else found
@@ -136,25 +99,33 @@ def exchange(
         share = 1.0 if is_timely else _later(found, wanted=wanted)
         every = found.plan.points.joined(peaks.remaining[over], peaks.limit[over])
         plan, start = replace(found.plan, points=every).scaled(share), found.basis
-        if plan.edges.size * every.limit.size > MOST_ENTRIES:
+        if plan.edges.size * every.limit.size > SETTINGS.most_entries:
             break
     return found
 
 
 def _first_edges(problem: BoundedProblem, t_f: float, *, finer: int) -> Array:
     """Return even edges; of a long move close together at its ends and those of its cruise."""
-    cell, fewest = RADIANS_PER_CELL / finer / problem.vibration_rate, finer * FEWEST_CELLS
+    cell, fewest = (
+        SETTINGS.radians_per_cell / finer / problem.vibration_rate,
+        finer * SETTINGS.fewest_cells,
+    )
     has_cruise, count = problem.ramp < inf, int(t_f / cell)
-    most = fewest if has_cruise else int((FIRST_ENTRIES / max(len(problem.limits), 1)) ** 0.5)
-    if count < (most if has_cruise else COARSEST * most):
+    most = (
+        fewest if has_cruise else int((SETTINGS.first_entries / max(len(problem.limits), 1)) ** 0.5)
+    )
+    if count < (most if has_cruise else SETTINGS.coarsest * most):
         return np.linspace(0.0, t_f, max(min(count, most), fewest) + 1)
-    ramp, longest = min(problem.ramp, 0.5 * t_f), inf if has_cruise else t_f / FEWEST_BETWEEN
+    ramp, longest = (
+        min(problem.ramp, 0.5 * t_f),
+        inf if has_cruise else t_f / SETTINGS.fewest_between,
+    )
     places = np.unique([0.0, ramp, t_f - ramp, t_f])
     edges = [0.0]
     while edges[-1] < t_f:
         ahead = places[np.searchsorted(places, edges[-1], side="right") :]
         far = min(float(np.abs(places - edges[-1]).min()), float(ahead[0]) - edges[-1])
-        edges.append(edges[-1] + min(max(cell, GROWTH * far), longest))
+        edges.append(edges[-1] + min(max(cell, SETTINGS.growth * far), longest))
     return np.array(edges) * (t_f / edges[-1])
 
 
@@ -164,9 +135,9 @@ def _first_points(problem: BoundedProblem, edges: Array) -> Points:
     A long cell would keep its bounds at its end only, and run away from them before.
     """
     t_f = float(edges[-1])
-    needed = t_f * problem.vibration_rate / RADIANS_PER_CELL
-    if problem.ramp == inf and needed > COARSEST * edges.size:
-        places = int(min(needed, MOST_PLACES / max(len(problem.limits), 1)))
+    needed = t_f * problem.vibration_rate / SETTINGS.radians_per_cell
+    if problem.ramp == inf and needed > SETTINGS.coarsest * edges.size:
+        places = int(min(needed, SETTINGS.most_places / max(len(problem.limits), 1)))
         edges = np.union1d(edges, np.linspace(0.0, t_f, places + 1))
     return at_ends(problem, edges)
 
@@ -187,20 +158,20 @@ def first_cells(problem: BoundedProblem, *, t_free: float, finer: int = 1) -> Ce
     faster: Cells | None = None
     slower: Cells | None = None
     missing, spare, was_slow = 1.0, 1.0, False
-    for _ in range(TIME_STEPS):
+    for _ in range(SETTINGS.time_steps):
         # Where the reach hardly grows, as near the smallest possible bound, α alone says little.
-        steepness = float(np.clip(found.slope * t_f, *STEEPNESS))
-        if abs(found.reach - 1.0) < TIME_TOLERANCE * steepness:
+        steepness = float(np.clip(found.slope * t_f, SETTINGS.least_slope, 1.0))
+        if abs(found.reach - 1.0) < SETTINGS.time_tolerance * steepness:
             return found
         if found.reach < 1.0:
             shrinks = slower is None and faster and found.reach < faster.reach
             if faster and shrinks and _is_coarse(problem, found):
                 raise beyond_time(problem, faster)
             if finer == 1 and shrinks:
-                return first_cells(problem, t_free=t_free, finer=FINER)
-            if found.t_f > HORIZON * t_free or _is_still(earlier, found):
+                return first_cells(problem, t_free=t_free, finer=SETTINGS.finer)
+            if found.t_f > SETTINGS.horizon * t_free or _is_still(earlier, found):
                 raise _out_of_reach(problem, found, t_free)
-            earlier = found if found.t_f > LONGER * earlier.t_f else earlier
+            earlier = found if found.t_f > SETTINGS.longer * earlier.t_f else earlier
             faster, missing = found, 1.0 - found.reach
             # Illinois' rule: the chord moves on from an end that stays twice.
             spare, was_slow = spare * (1.0 if was_slow else 0.5), False
@@ -214,12 +185,12 @@ def first_cells(problem: BoundedProblem, *, t_free: float, finer: int = 1) -> Ce
         elif slower.t_f - faster.t_f < 1e-7 * slower.t_f:
             return found
         else:
-            share = float(np.clip(missing / (missing + spare), *INSIDE))
+            share = float(np.clip(missing / (missing + spare), SETTINGS.edge, 1.0 - SETTINGS.edge))
             t_f = faster.t_f + share * (slower.t_f - faster.t_f)
         try:
             found = _evenly(problem, t_f, near=found, finer=finer)
         except ComputationError as error:
-            if slower is not None or found.t_f < FAR * t_free:
+            if slower is not None or found.t_f < SETTINGS.longer * t_free:
                 raise
             raise beyond_time(problem, found) from error
     raise ComputationError(Outcome.NO_CONVERGENCE, Message("grid-search-stopped", t_f=t_f))
@@ -227,14 +198,14 @@ def first_cells(problem: BoundedProblem, *, t_free: float, finer: int = 1) -> Ce
 
 def _is_coarse(problem: BoundedProblem, found: Cells) -> bool:
     """Return whether cells are too long for the fastest mode: what they cannot do, others may."""
-    count = found.t_f * problem.vibration_rate / RADIANS_PER_CELL
+    count = found.t_f * problem.vibration_rate / SETTINGS.radians_per_cell
     return problem.ramp == inf and found.force.size < int(count)
 
 
 def _is_still(earlier: Cells, found: Cells) -> bool:
     """Return whether the reach does not grow any more, over times some way apart."""
-    is_long = found.t_f > LONGER * earlier.t_f
-    return is_long and found.reach - earlier.reach < STANDSTILL * found.reach
+    is_long = found.t_f > SETTINGS.longer * earlier.t_f
+    return is_long and found.reach - earlier.reach < SETTINGS.standstill * found.reach
 
 
 def _evenly(problem: BoundedProblem, t_f: float, *, finer: int, near: Cells | None = None) -> Cells:
@@ -256,24 +227,24 @@ def _evenly(problem: BoundedProblem, t_f: float, *, finer: int, near: Cells | No
 def _first_contacts(problem: BoundedProblem) -> tuple[Array, NDArray[np.intp]]:
     """Return instants after the end, as remaining times [s], at which each tail keeps the band."""
     rates = in_moments(problem.plant).functions.magnitudes
-    s = np.linspace(0.0, CONTACT_RADIANS / float(rates.min()), CONTACTS)
+    s = np.linspace(0.0, SETTINGS.contact_radians / float(rates.min()), SETTINGS.contacts)
     machines = len(problem.tails)
     tails = len(problem.limits) + np.arange(machines)
-    return np.tile(-s, machines), np.repeat(tails, CONTACTS)
+    return np.tile(-s, machines), np.repeat(tails, SETTINGS.contacts)
 
 
 def _out_of_reach(problem: BoundedProblem, longest: Cells, t_free: float) -> ComputationError:
     named = describe_bounds(problem.plant, problem.bounds)
-    if longest.t_f > HORIZON * t_free or _is_coarse(problem, longest):
+    if longest.t_f > SETTINGS.horizon * t_free or _is_coarse(problem, longest):
         return beyond_time(problem, longest)
     least = _least_factor(problem, longest.plan)
     if least <= 0.0:  # the program knows no digit of it: nothing is proved against the bounds
         detail = Message("grid-search-stopped", t_f=longest.t_f)
         return ComputationError(Outcome.NO_CONVERGENCE, detail)
-    if least < 1.0 + LEAST_TOLERANCE:
-        detail = Message("bounds-near-least", bounds=named, within=LEAST_TOLERANCE)
+    if least < 1.0 + SETTINGS.least_tolerance:
+        detail = Message("bounds-near-least", bounds=named, within=SETTINGS.least_tolerance)
         return ComputationError(Outcome.BEYOND_HORIZON, detail)
-    least *= 1.0 + LEAST_TOLERANCE
+    least *= 1.0 + SETTINGS.least_tolerance
     smallest = tuple(
         Message("value-about", value=least * bound.value, unit=problem.plant.unit(bound.name))
         for bound in problem.bounds

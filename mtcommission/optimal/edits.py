@@ -30,17 +30,9 @@ from mtcommission.optimal.sequence import (
     touch_points,
     with_touches,
 )
+from mtcommission.optimal.settings import SETTINGS
 
 Array = NDArray[np.float64]
-
-MOST_PIECES = 80
-"""Of a sequence: Newton's method takes seconds for more (empirical)."""
-EDITS = 12
-"""Changes of a sequence in one go."""
-VANISHED = 1e-6
-"""Share of t_f below which a piece is taken out."""
-MOST_GROWTH = 10.0
-"""Growth of the motion over an arc, as exponent of e, from which no digits are left."""
 
 
 def holds_high_order(problem: BoundedProblem, guess: Pieces) -> bool:
@@ -53,7 +45,7 @@ def solve_exactly(problem: BoundedProblem, guess: Pieces) -> Found | None:
     best: Found | None = None
     # A guess may drive arcs over each other, as where a force turns before it is on its bound.
     following: Pieces | None = with_touches(problem, _shared(_whole(guess)), touch_points(guess))
-    for _ in range(EDITS):
+    for _ in range(SETTINGS.edits):
         if following is None or not _may_be_solved(problem, following):
             break
         extremal = solve_sequence(problem, following)
@@ -73,9 +65,9 @@ def _may_be_solved(problem: BoundedProblem, guess: Pieces) -> bool:
         return False
     arcs = [piece for piece in guess if piece.limit >= 0]
     conditions = problem.fixed.size + sum(problem.limits[piece.limit].order for piece in arcs)
-    if len(guess) < conditions or len(guess) > MOST_PIECES:
+    if len(guess) < conditions or len(guess) > SETTINGS.most_pieces:
         return False
-    return all(problem.limits[p.limit].growth * p.duration <= MOST_GROWTH for p in arcs)
+    return all(problem.limits[p.limit].growth * p.duration <= SETTINGS.most_growth for p in arcs)
 
 
 def _accepted(problem: BoundedProblem, extremal: Extremal) -> Found | None:
@@ -89,7 +81,7 @@ def _accepted(problem: BoundedProblem, extremal: Extremal) -> Found | None:
 
 def _pruned(problem: BoundedProblem, extremal: Extremal) -> Pieces | None:
     """Return the sequence without vanishing pieces and wrong touch points; None if it has none."""
-    pieces, near = extremal.pieces, VANISHED * final_time(extremal.pieces)
+    pieces, near = extremal.pieces, SETTINGS.vanished * final_time(extremal.pieces)
     whole, points = _whole(pieces), touch_points(pieces)
     weights = {atom.remaining: atom.weight for atom in extremal.measure.atoms}
     beside = [
@@ -209,17 +201,11 @@ def _whole(pieces: Iterable[Piece]) -> Pieces:
     return tuple(replace(run[0], duration=final_time(run), touch=None) for run in runs)
 
 
-TIGHT = 0.97
-"""Share of the force limit below which a bound on F counts as tight (empirical)."""
-PASSING = 1.5
-"""Length of an arc, in force lags of the swift plant, up to which it only moves the force."""
-
-
 def tight_force_bound(problem: BoundedProblem) -> int:
     """Return the index of a tight bound on a force behind a lag; -1 if there is none."""
     force = problem.plant.states[problem.plant.lagged]
     for index, limit in enumerate(problem.limits):
-        if limit.bound.name in force and limit.bound.value < TIGHT * problem.force_limit:
+        if limit.bound.name in force and limit.bound.value < SETTINGS.tight * problem.force_limit:
             return index
     return -1
 
@@ -236,7 +222,7 @@ def swift_plant(problem: BoundedProblem, index: int) -> Plant:
 def force_sequence(problem: BoundedProblem, index: int, arcs: tuple[Arc, ...]) -> Pieces:
     """Return the sequence that follows the arcs of the swift plant."""
     f = problem.limits[index].bound.value
-    short = PASSING * 0.5 * _ramp(problem, -f, f)
+    short = SETTINGS.passing * 0.5 * _ramp(problem, -f, f)
     level, pieces = 0.0, list[Piece]()
     for arc, following in zip(arcs, (*arcs[1:], None), strict=True):
         piece = _piece(problem, arc)

@@ -27,17 +27,10 @@ from mtcommission.optimal.modes import (
 )
 from mtcommission.optimal.problem import ArcInterior, Atom, BoundedProblem
 from mtcommission.optimal.proof import Measure
+from mtcommission.optimal.settings import SETTINGS
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
-
-LARGEST_OFFSET = 1.0 - 1e-5
-"""Of the reference, over the band: a little less, so that the free motion comes to rest in it."""
-TOLERANCE = 1e-9
-"""Of the simplex method, against bounds of 1."""
-STEPS = 4
-"""Of the simplex method, for each row and column, after which a program is given up: 2.0 at most
-where it ends (measured)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -276,7 +269,7 @@ def solve_cells(
     every = np.vstack([*held, rows[index] * sign[:, np.newaxis]])
     every[:, -2] -= follows
     equations = np.vstack(equal)
-    beside = LARGEST_OFFSET if len(problem.tails) else 0.0
+    beside = SETTINGS.largest_offset if len(problem.tails) else 0.0
     solution = solve_program(
         Program(
             cost=np.append(np.zeros(size), -1.0),
@@ -288,8 +281,8 @@ def solve_cells(
             lower=np.concatenate([-np.ones(n), np.full(size - n - 1, -inf), [-beside, 0.0]]),
             upper=np.concatenate([np.ones(n), np.full(size - n - 1, inf), [beside, inf]]),
         ),
-        steps=STEPS * (n + points.limit.size),
-        tolerance=TOLERANCE,
+        steps=SETTINGS.steps * (n + points.limit.size),
+        tolerance=SETTINGS.tolerance,
         start=start,
         is_solvable=relaxed,
     )
@@ -353,14 +346,6 @@ def at_ends(problem: BoundedProblem, edges: Array) -> Points:
     )
 
 
-NEAR = 0.02
-"""Relative room below a bound within which a peak is looked at closely."""
-SAMPLES, RADIANS_PER_PART = 8, 1.0
-"""Of a part of a cell, among which its peaks are looked for."""
-POLISHES = 4
-"""Newton steps from a sample to a peak."""
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Peaks:
     """Where bounded signals are largest, near their bounds or beyond."""
@@ -397,17 +382,22 @@ def _tail_peaks(problem: BoundedProblem, cells: Cells) -> Peaks:
 def _interior_peaks(problem: BoundedProblem, one: ArcInterior, entered: Array) -> Peaks:
     """Return the peaks of the other signals while one is held."""
     length, flow = one.start - one.end, problem.limits[one.limit].boundary_flow
-    count = int(np.ceil(length * problem.vibration_rate * SAMPLES / RADIANS_PER_PART)) + 1
+    count = (
+        int(np.ceil(length * problem.vibration_rate * SETTINGS.samples / SETTINGS.radians_per_part))
+        + 1
+    )
     states = powers_of(flow.over(length / count), entered, count)
     size = np.abs(states @ problem.rows.T)
     size[:, one.limit] = 0.0
     inner = size[1:-1]
-    at, limit = np.nonzero((inner > 1.0 - NEAR) & (inner >= size[:-2]) & (inner >= size[2:]))
+    at, limit = np.nonzero(
+        (inner > 1.0 - SETTINGS.near) & (inner >= size[:-2]) & (inner >= size[2:])
+    )
     times = np.asarray(one.start - length / count * (at + 1), dtype=np.float64)
     levels = inner[at, limit]
     for k, (index, sample) in enumerate(zip(limit.tolist(), (at + 1).tolist(), strict=True)):
         state, row = states[sample], problem.rows[index]
-        for _ in range(POLISHES):
+        for _ in range(SETTINGS.polishes):
             rate = flow.matrix @ state
             slope, bend = float(row @ rate), float(row @ flow.matrix @ rate)
             step = -slope / bend if bend != 0.0 else 0.0
@@ -422,30 +412,34 @@ def _interior_peaks(problem: BoundedProblem, one: ArcInterior, entered: Array) -
 def _cell_peaks(problem: BoundedProblem, cells: Cells, off: NDArray[np.bool_]) -> Peaks:
     force, begin = cells.force[off], cells.start[off]
     lengths = begin - cells.end[off]
-    counts = 1 + (lengths * problem.vibration_rate / RADIANS_PER_PART).astype(np.intp)
+    counts = 1 + (lengths * problem.vibration_rate / SETTINGS.radians_per_part).astype(np.intp)
     part = np.repeat(np.arange(lengths.size), counts)
     span, push = (lengths / counts)[part], force[part] * problem.force_limit
     since = span * (np.arange(part.size) - (np.cumsum(counts) - counts)[part])
     elapsed = cells.t_f - begin[part] + since
     starts = driven(problem.plant, cells.states[off][part], push, since)
-    step = span / SAMPLES
+    step = span / SETTINGS.samples
     levels = np.stack(
         [
             driven(problem.plant, starts, push, k * step) @ problem.rows.T
-            for k in range(SAMPLES + 1)
+            for k in range(SETTINGS.samples + 1)
         ],
         axis=1,
     )
     along = np.vstack([levels[:, :-1].reshape(-1, len(problem.limits)), levels[-1, -1:]])
     size = np.pad(np.abs(along), ((1, 1), (0, 0)))
     inner = size[1:-1]
-    at, limit = np.nonzero((inner > 1.0 - NEAR) & (inner >= size[:-2]) & (inner >= size[2:]))
-    here = np.minimum(at // SAMPLES, part.size - 1)
+    at, limit = np.nonzero(
+        (inner > 1.0 - SETTINGS.near) & (inner >= size[:-2]) & (inner >= size[2:])
+    )
+    here = np.minimum(at // SETTINGS.samples, part.size - 1)
     rows = problem.rows[limit] * np.sign(along[at, limit])[:, np.newaxis]
-    places, heights = _tops(problem, starts, push, span, here, step[here] * (at % SAMPLES), rows)
+    places, heights = _tops(
+        problem, starts, push, span, here, step[here] * (at % SETTINGS.samples), rows
+    )
     t = elapsed[here] + places
     # A peak at the start of a part may lie in the part before.
-    first = np.flatnonzero(at % SAMPLES == 0)
+    first = np.flatnonzero(at % SETTINGS.samples == 0)
     back = np.maximum(here[first] - 1, 0)
     others, beyond = _tops(problem, starts, push, span, back, span[back], rows[first])
     higher = beyond > heights[first]
@@ -466,7 +460,7 @@ def _tops(
     """Return places since the starts of parts and heights of peaks, by Newton's method inside."""
     plant, starts, push, span = problem.plant, starts[part], push[part], span[part]
     place, best = since, np.full(since.shape, -inf)
-    for _ in range(POLISHES + 1):
+    for _ in range(SETTINGS.polishes + 1):
         states = driven(plant, starts, push, place)
         level = np.sum(states * rows, axis=1)
         since, best = np.where(level > best, place, since), np.maximum(level, best)

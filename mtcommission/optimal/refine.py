@@ -14,9 +14,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.optimal.cells import MOST_ENTRIES, RADIANS_PER_CELL, beyond_time, exchange
+from mtcommission.optimal.cells import beyond_time, exchange
 from mtcommission.optimal.control import Arc, Bang, Interior, constant_arc
-from mtcommission.optimal.edits import MOST_GROWTH
 from mtcommission.optimal.problem import ArcInterior, BoundedProblem
 from mtcommission.optimal.program import (
     Cells,
@@ -34,46 +33,9 @@ from mtcommission.optimal.proof import (
     weigh,
 )
 from mtcommission.optimal.sequence import Structure, boundary_arc, detect_structure, local_cell
+from mtcommission.optimal.settings import SETTINGS
 
 Array = NDArray[np.float64]
-
-ROUNDS = 8
-"""Programs on finer and finer cells."""
-MOST_RADIANS = 3e5
-"""Fastest rate times t_f up to which a control under bounds is looked for."""
-SPOILED = 100.0
-"""Times the best gap from which a program has held an arc where it should not (empirical)."""
-LOST, BLIND = 0.05, 1
-"""Distance of the reach from 1 at which a program has not even found the time, and how many of the
-first ones may end so: their cells are too long for the bounds then."""
-TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
-"""What the programs of the rounds may miss of bounds and target; the last from there on."""
-LARGE_SHARE = 0.01
-"""Of the largest share of the time that a zero of σ hides in its cell, from which that is
-divided."""
-BESIDE = 1.0 / 8.0
-"""Distance from a zero of further edges, in its cell: it moves when the program is solved again."""
-NEARBY = 3.0
-"""Cells about an acting point in which new edges become points, too."""
-MARGINS, SHORT = (3.0, 15.0), 0.7
-"""Cells between an interior and the ends of its arc, for orders 1 and 2 and for higher ones, and
-the share of its arc that they may take."""
-LEAST_ARCS = (0.0, 0.06)
-"""Share of t_f from which an arc has an interior, by order as before."""
-JUNCTIONS, BEYOND = (6, 30), 0.3
-"""Even cells at an end of an arc from its interior on, by order, and how far they go beyond."""
-INSIDES, APART = 8, 0.3
-"""Edges inside an interior from each end on, for what looks at its cells, and the share of one that
-others keep from its ends."""
-SEVERAL = 2
-"""Machines from which on no interiors are held: what no proof is asked of does without them."""
-LEAST_CELL = 1e-9
-"""Share of t_f that new edges keep from old ones."""
-SPARE = 1.2
-"""Reach that a control on cells has to spare, over what it exceeds bounds by."""
-FULL = 1.0 - 1e-11
-"""Share of the force limit from which a cell is a bang arc, as is one within that of the next:
-tight bounds keep deflections to a thousandth of what the force limit causes."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -96,14 +58,16 @@ def refined(problem: BoundedProblem, first: Cells) -> Iterator[Seen]:
     ComputationError
         MOVE_TOO_LONG; BEYOND_HORIZON where first cells are too long for the bounds.
     """
-    require_followable(first.t_f, problem.rate, most=MOST_RADIANS)
+    require_followable(first.t_f, problem.rate, most=SETTINGS.most_radians)
     seen, edges = observe(problem, first), first.plan.edges
     plan = _planned(problem, seen, edges, first.acting)
     best: Seen | None = None
-    for i in range(ROUNDS):
-        cells = exchange(problem, plan, tolerance=TOLERANCES[min(i, len(TOLERANCES) - 1)])
-        if cells is None or abs(cells.reach - 1.0) > LOST:
-            if seen.cells is first and i >= BLIND:
+    for i in range(SETTINGS.rounds):
+        cells = exchange(
+            problem, plan, tolerance=SETTINGS.tolerances[min(i, len(SETTINGS.tolerances) - 1)]
+        )
+        if cells is None or abs(cells.reach - 1.0) > SETTINGS.lost:
+            if seen.cells is first and i > 0:
                 raise beyond_time(problem, first)
             # The arcs that it holds are not those of the optimum: shorter cells show them.
             edges = np.union1d(edges, 0.5 * (edges[1:] + edges[:-1]))
@@ -114,9 +78,9 @@ def refined(problem: BoundedProblem, first: Cells) -> Iterator[Seen]:
             if best is None or seen.gap < best.gap:
                 best = seen
             # An arc held where it should not be spoils all multipliers.
-            is_spoiled = seen.gap > SPOILED * best.gap
+            is_spoiled = seen.gap > SETTINGS.spoiled * best.gap
             plan, edges = _halved(best.cells) if is_spoiled else finer(problem, seen), seen.mesh
-        if plan.edges.size * max(plan.points.limit.size, plan.edges.size) > MOST_ENTRIES:
+        if plan.edges.size * max(plan.points.limit.size, plan.edges.size) > SETTINGS.most_entries:
             return
 
 
@@ -161,7 +125,7 @@ def _with_insides(
     An end has cells of one size on both sides.
     """
     more = [edges]
-    steps = np.arange(1, INSIDES + 1)
+    steps = np.arange(1, SETTINGS.insides + 1)
     for one in interiors:
         first, last = np.searchsorted(edges, [one.end, one.start])
         cells = edges[first] - edges[first - 1], edges[min(last + 1, edges.size - 1)] - edges[last]
@@ -170,8 +134,11 @@ def _with_insides(
         stops = [one.end, *(stop for span in kept for stop in span), one.start]
         for low, high in zip(stops[::2], stops[1::2], strict=True):
             if high > low:
-                cell = (high - low) / INSIDES
-                count = max(INSIDES, int((high - low) * problem.vibration_rate / RADIANS_PER_CELL))
+                cell = (high - low) / SETTINGS.insides
+                count = max(
+                    SETTINGS.insides,
+                    int((high - low) * problem.vibration_rate / SETTINGS.radians_per_cell),
+                )
                 inside += [np.linspace(low, high, count + 1)]
                 inside += [low - cell * steps, high + cell * steps]
         every = np.concatenate(inside)
@@ -203,8 +170,8 @@ def finer(problem: BoundedProblem, seen: Seen) -> Plan:
     on_arc, hidden = np.zeros(zeros.size, dtype=bool), seen.hidden
     for arc in arcs:
         on_arc |= (arc.end <= zeros) & (zeros <= arc.start)
-    large = hidden > LARGE_SHARE * float(hidden.max(initial=0.0))
-    moving = zeros[large & ~on_arc], BESIDE * around[large & ~on_arc]
+    large = hidden > SETTINGS.large_share * float(hidden.max(initial=0.0))
+    moving = zeros[large & ~on_arc], SETTINGS.beside * around[large & ~on_arc]
     points = seen.cells.acting
     touched = [touch.remaining for touch in seen.structure.touches]
     ends = [end for arc in arcs for end in (arc.start, arc.end)]
@@ -216,12 +183,14 @@ def finer(problem: BoundedProblem, seen: Seen) -> Plan:
     )
     inside = new[(new > 0.0) & (new < edges[-1])]
     apart = np.abs(edges[np.searchsorted(edges, inside) - [[1], [0]]] - inside).min(axis=0)
-    finer = np.unique(np.concatenate([edges, inside[apart > LEAST_CELL * edges[-1]]]))
+    finer = np.unique(np.concatenate([edges, inside[apart > SETTINGS.least_cell * edges[-1]]]))
     for k in range(len(problem.limits)):
         own = np.sort(points.remaining[points.limit == k])
         if own.size:
             far = np.abs(finer[1:-1, np.newaxis] - own).min(axis=1)
-            near = finer[1:-1][far < NEARBY * np.maximum(*map(np.diff, (finer[1:], finer[:-1])))]
+            near = finer[1:-1][
+                far < SETTINGS.nearby * np.maximum(*map(np.diff, (finer[1:], finer[:-1])))
+            ]
             points = points.joined(near, np.full(near.size, k))
     return _planned(problem, seen, finer, points)
 
@@ -231,33 +200,36 @@ def _planned(problem: BoundedProblem, seen: Seen, edges: Array, points: Points) 
     interiors, junctions, t_f = [], list[Array](), float(edges[-1])
     for one in seen.cells.plan.interiors:
         # What is not held any more needs cells.
-        count = int((one.start - one.end) * problem.vibration_rate / RADIANS_PER_CELL)
-        junctions.append(np.linspace(one.end, one.start, max(count, JUNCTIONS[1]) + 1))
+        count = int((one.start - one.end) * problem.vibration_rate / SETTINGS.radians_per_cell)
+        junctions.append(np.linspace(one.end, one.start, max(count, SETTINGS.junctions[1]) + 1))
         points = points.joined(junctions[-1], np.full(junctions[-1].size, one.limit))
-    for arc in seen.structure.arcs if len(problem.tails) < SEVERAL else ():
+    # What no proof is asked of, as of several machines, does without interiors.
+    for arc in seen.structure.arcs if len(problem.tails) < 2 else ():
         limit, length = problem.limits[arc.limit], arc.start - arc.end
         is_high = limit.order > 2
         early, late = (
-            MARGINS[is_high] * local_cell(seen.mesh, end) for end in (arc.start, arc.end)
+            SETTINGS.margins[is_high] * local_cell(seen.mesh, end) for end in (arc.start, arc.end)
         )
         if is_high:
             early, late = min(early, 0.25 * length), min(late, 0.25 * length)
         # Motion that grows on the arc leaves an interior no digits: points must do there. Points
         # that touch in a row may look like a short arc where the order is above 2.
-        is_steady = limit.growth * length < MOST_GROWTH
-        is_long = early + late < SHORT * length and length > LEAST_ARCS[is_high] * t_f
+        is_steady = limit.growth * length < SETTINGS.most_growth
+        is_long = (
+            early + late < SETTINGS.short * length and length > SETTINGS.least_arcs[is_high] * t_f
+        )
         if is_steady and is_long:
             interiors.append(replace(arc, start=arc.start - early, end=arc.end + late))
-            steps = np.linspace(-BEYOND, 1.0, JUNCTIONS[is_high] + 1)
+            steps = np.linspace(-SETTINGS.beyond, 1.0, SETTINGS.junctions[is_high] + 1)
             junctions += [arc.start - steps * early, arc.end + steps * late]
     for new in junctions:
         inside = new[(new > 0.0) & (new < t_f)]
         apart = np.abs(edges[np.searchsorted(edges, inside) - [[1], [0]]] - inside).min(axis=0)
-        edges = np.union1d(edges, inside[apart > APART * abs(new[1] - new[0])])
+        edges = np.union1d(edges, inside[apart > SETTINGS.apart * abs(new[1] - new[0])])
     ends = [end for one in interiors for end in (one.start, one.end)]
     for one in interiors:
         outside = np.sort(np.concatenate([edges[edges < one.end], edges[edges > one.start]]))
-        close = APART * np.gradient(outside)
+        close = SETTINGS.apart * np.gradient(outside)
         edges = outside[(outside < one.end - close) | (outside > one.start + close)]
         points = points.joined(np.array([one.start, one.end]), np.full(2, one.limit))
     edges = np.unique(np.concatenate([edges, ends]))
@@ -270,7 +242,7 @@ def finish(problem: BoundedProblem, cells: Cells, *, tolerance: float) -> Cells 
     What exceeds a bound by less than the tolerance is paid for by reach to spare: all forces are
     divided by the reach.
     """
-    wanted = 1.0 + SPARE * tolerance
+    wanted = 1.0 + SETTINGS.spare * tolerance
     found = exchange(problem, cells.plan, tolerance=tolerance, relaxed=False, wanted=wanted)
     if found is None:
         return None
@@ -282,7 +254,7 @@ def cell_arcs(problem: BoundedProblem, cells: Cells) -> tuple[Arc, ...]:
     """Return cells and interiors as arcs, scaled so that they reach the target once."""
     force, t_f, arcs = cells.force, cells.t_f, list[Arc]()
     begin, end, off = t_f - cells.start, t_f - cells.end, cells.interior < 0
-    same = (np.abs(np.diff(force)) < 1.0 - FULL) & off[1:] & off[:-1]
+    same = (np.abs(np.diff(force)) < SETTINGS.same_force) & off[1:] & off[:-1]
     starts = [0, *(np.flatnonzero(~same) + 1).tolist(), force.size]
     for i, j in pairwise(starts):
         if not off[i]:
@@ -295,7 +267,9 @@ def cell_arcs(problem: BoundedProblem, cells: Cells) -> tuple[Arc, ...]:
         if end[j - 1] <= begin[i]:
             continue  # a cell that is shorter than the rounding of its time
         share = float(force[i:j] @ (end - begin)[i:j] / (end[j - 1] - begin[i]))
-        control = Bang(1 if share > 0.0 else -1) if abs(share) > FULL else Interior()
+        control = (
+            Bang(1 if share > 0.0 else -1) if abs(share) > 1.0 - SETTINGS.same_force else Interior()
+        )
         force_now = share * problem.force_limit / cells.reach
         arcs.append(
             constant_arc(float(begin[i]), float(end[j - 1]), control=control, force=force_now)

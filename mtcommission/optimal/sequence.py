@@ -19,6 +19,7 @@ from mtcommission.optimal.control import Arc, Bang, Boundary, constant_arc
 from mtcommission.optimal.modes import driven
 from mtcommission.optimal.problem import ArcInterior, Atom, BoundedProblem
 from mtcommission.optimal.proof import Dual, Stretch, sigma_sign
+from mtcommission.optimal.settings import SETTINGS
 
 Array = NDArray[np.float64]
 
@@ -103,12 +104,6 @@ def boundary_arc(
     )
 
 
-CHAIN_GAP = 3.2
-"""Distance of chained points in the smaller of their cells: ripple may leave out every other."""
-CHAIN_POINTS = 5
-"""Points that make an arc; two or three surround a touch point."""
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Structure:
     """Arcs and touch points seen on a mesh."""
@@ -128,9 +123,9 @@ def detect_structure(
     for (limit, side), group in groupby(ordered, key=lambda at: (at.limit, at.side)):
         for chain in _chains(list(group), mesh):
             low, high = _span(chain[0])[0], _span(chain[-1])[1]
-            wide = high - low >= 0.75 * CHAIN_POINTS * local_cell(mesh, low)
+            wide = high - low >= 0.75 * SETTINGS.chain_points * local_cell(mesh, low)
             if any(isinstance(at, ArcInterior) for at in chain) or (
-                len(chain) >= CHAIN_POINTS and wide
+                len(chain) >= SETTINGS.chain_points and wide
             ):
                 arcs.append(ArcInterior(start=high, end=low, limit=limit, side=side))
                 continue
@@ -161,7 +156,7 @@ def _chains(points: list[Atom | ArcInterior], mesh: Array) -> list[list[Atom | A
     for before, after in pairwise(points):
         low, high = _span(before)[1], _span(after)[0]
         # Beside a large cell, a touch point would become the end of an arc that is not there.
-        if high - low <= CHAIN_GAP * min(local_cell(mesh, at) for at in (low, high)):
+        if high - low <= SETTINGS.chain_gap * min(local_cell(mesh, at) for at in (low, high)):
             chains[-1].append(after)
         else:
             chains.append([after])
