@@ -138,7 +138,7 @@ def stages(repeats: int) -> list[Job]:
         machine = parse_profile(source.text, where=str(PROFILE))
         found = commission(machine, profile=source, progress=mark)
         mark("record")
-        record = record_run(found, created="")
+        record = record_run(found, created="2026-01-01T00:00:00+00:00")
         mark("sheet, HTML")
         typed = type_in(record)
         print_html(record, typed)
