@@ -53,9 +53,10 @@ def solve_exactly(problem: BoundedProblem, guess: Pieces) -> Found | None:
         best = found or best
         following = _pruned(problem, extremal)
         if following is None and extremal.residual <= RESIDUAL:
-            following = _with_short_arc(problem, extremal) or _with_held_touch(problem, extremal)
+            following = _with_short_arc(problem, extremal)
             if following is None and best is None:
-                following = _with_turn(problem, extremal)
+                held = _with_held_touch(problem, extremal)
+                following = held or _with_turn(problem, extremal)
     return best
 
 
