@@ -69,7 +69,7 @@ CLOSE, NEARLY = 0.002, 0.01
 (empirical)."""
 
 REFINED, REACHES = 4, (0.1, 0.06, 0.02, 0.01, 0.003)
-"""Best places, of different filters, that are refined, and how far about them [-] (empirical)."""
+"""Best places, no two in one valley, that are refined, and how far about them [-] (empirical)."""
 
 FOR_SHAPERS = 0.005
 """Nearer than that only another frequency makes a difference [-] (empirical)."""
@@ -135,18 +135,32 @@ def explore(
     # One after the other: what was refined before decides what is worth it.
     queue = [(explorer.promise(place), k) for k, place in enumerate(begins)]
     heapify(queue)
-    while queue and refined:
+    begun = list[Found]()
+    while queue and len(begun) < refined:
         promised, k = heappop(queue)
         soon = worthwhile * min(explorer.soonest(), latest)
         if promised > soon or promised == inf:
             break
         begin = explorer.known.get(begins[k])
-        if begin is not None:
+        if begin is None:
+            if explorer.look_at([begins[k]], latest=soon):
+                heappush(queue, (explorer.promise(begins[k]), k))
+        elif not any(_is_beside(begin, other) for other in begun):
             explorer.refine(begin, REACHES if near is None else NEAR_REACHES, is_free=is_free)
-            refined -= 1
-        elif explorer.look_at([begins[k]], latest=soon):
-            heappush(queue, (explorer.promise(begins[k]), k))
+            begun.append(begin)
     return explorer.ranked()
+
+
+def _is_beside(one: Found, other: Found) -> bool:
+    """Whether two places lie in one valley: the first steps from either lead past the other."""
+    a, b = one.setpoint_filter, other.setpoint_filter
+    if (a.kind if a else "") != (b.kind if b else ""):
+        return False
+    pairs = [(one.jerk_time, other.jerk_time)]
+    if a and b:
+        pairs += [(a.time, b.time), (a.second_time, b.second_time)]
+        pairs += [(a.frequency_hz, b.frequency_hz)]
+    return all(abs(x - y) <= 2.0 * REACHES[0] * max(x, y) for x, y in pairs)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
