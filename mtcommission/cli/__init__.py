@@ -42,7 +42,7 @@ EXIT_CODES = (
 LONGEST_ERROR = 500
 """Letters: an error of encoding holds the whole text."""
 
-ALLOCATIONS = 100_000
+ALLOCATIONS = 1_000_000
 """Objects made, less those freed, between two searches for garbage (empirical: Python's 700 cost 3
 to 4 % of the time of ``run``, for nearly all that is loaded and computed lives to the end)."""
 
