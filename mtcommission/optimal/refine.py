@@ -66,7 +66,7 @@ def refined(problem: BoundedProblem, first: Cells) -> Iterator[Seen]:
         cells = exchange(
             problem, plan, tolerance=SETTINGS.tolerances[min(i, len(SETTINGS.tolerances) - 1)]
         )
-        if cells is None or abs(cells.reach - 1.0) > SETTINGS.lost:
+        if cells is None:
             if seen.cells is first and i > 0:
                 raise beyond_time(problem, first)
             # The arcs that it holds are not those of the optimum: shorter cells show them.
@@ -183,7 +183,7 @@ def finer(problem: BoundedProblem, seen: Seen) -> Plan:
     )
     inside = new[(new > 0.0) & (new < edges[-1])]
     apart = np.abs(edges[np.searchsorted(edges, inside) - [[1], [0]]] - inside).min(axis=0)
-    finer = np.unique(np.concatenate([edges, inside[apart > SETTINGS.least_cell * edges[-1]]]))
+    finer = np.unique(np.concatenate([edges, inside[apart > SETTINGS.same_time * edges[-1]]]))
     for k in range(len(problem.limits)):
         own = np.sort(points.remaining[points.limit == k])
         if own.size:

@@ -57,13 +57,11 @@ class ProgramSettings:
     """What the programs of the rounds may miss of bounds and target; the last from there on."""
     most_radians: float = 3e5  # fastest rate times t_f
     enough: float = 7e-7  # gap at which cells are fine enough where no exact sequence exists
-    lost: float = 0.05  # distance of the reach from 1 at which a program has not found the time
     spoiled: float = 100.0  # times the best gap: the program held an arc where it should not
     # Which cells are divided.
     large_share: float = 0.01  # of the largest share of the time that a zero of σ hides in its cell
     beside: float = 1.0 / 8.0  # distance of further edges from a zero, in its cell: it moves
     nearby: float = 3.0  # cells about an acting point in which new edges become points, too
-    least_cell: float = 1e-9  # share of t_f that new edges keep from old ones
     # Arcs that are held, for orders 1 and 2, and for higher ones.
     chain_gap: float = (
         3.2  # of points, in the smaller of their cells: ripple may leave out every other
@@ -93,7 +91,8 @@ class ProgramSettings:
     same_force: float = 1e-11
     """Of the force limit, within which two cells are one arc: tight bounds keep deflections to a
     thousandth of what the force limit causes."""
-    same_time: float = 1e-7  # of t_f, within which a zero of σ is a switching time
+    same_time: float = 1e-7
+    """Of t_f, within which a zero of σ is a switching time, and an edge is one that is there."""
 
 
 SETTINGS = ProgramSettings()
