@@ -94,6 +94,15 @@ class Found:
     setpoint_filter: SetpointFilter | None
 
 
+def growth(
+    before: tuple[Array | float, Array | float], now: tuple[Array | float, Array | float]
+) -> Array:
+    """Return the power of the acceleration with which what is used grows, between two of both."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        grown = np.log(np.divide(before[1], now[1])) / np.log(np.divide(before[0], now[0]))
+    return np.clip(grown, LEAST_GROWTH, 1.0)
+
+
 def explore(
     bench: Bench,
     *,
@@ -352,9 +361,7 @@ class _Explorer:
             less = np.where(over, a * (1.0 - 0.5 * CLOSE) * share ** (-1.0 / grows), a)
             after = use.of_means(less, t_j)
             # A static load, or a longer move, leaves another power than the first.
-            with np.errstate(divide="ignore", invalid="ignore"):
-                grown = np.log(share / after) / np.log(a / less)
-            grows = np.where(over, np.maximum(grown, LEAST_GROWTH), grows)
+            grows = np.where(over, growth((a, share), (less, after)), grows)
             a, share = less, after
         return a
 
@@ -441,8 +448,7 @@ class _Explorer:
                 if best is None:
                     # What does not reach its acceleration uses less than in proportion to it.
                     if before[0] < inf:
-                        grown = np.log(before[1] / rest) / np.log(before[0] / a)
-                        grows = float(np.clip(grown, LEAST_GROWTH, 1.0))
+                        grows = float(growth(before, high))
                     a *= rest ** (-1.0 / grows)
                     continue
             # Peaks need not be in proportion to the acceleration: between the two.

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import ceil, floor, inf, log, log10
+from math import ceil, floor, inf, log10
 
 from mtcommission.controls.kind import Jerk
 from mtcommission.limits.bench import build_bench
 from mtcommission.limits.every_size import SizeCheck, judge_sizes
-from mtcommission.limits.explore import LEAST_GROWTH, REFINED, Found, explore
+from mtcommission.limits.explore import REFINED, Found, explore, growth
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine, largest_acceleration
 from mtcommission.setpoint.duration import longest_move, require_short
@@ -147,12 +147,12 @@ def _type_in(
         first = first or typed.sizes
         if used <= 1.0:
             return typed, first
-        now = (log(limits.acceleration), log(used))
+        now = (limits.acceleration, used)
         most = max(typed.sizes, key=lambda check: check.share(machine)).requirement.key
         if most != bound_by:
             grows = 1.0
         elif now[0] < before[0]:  # behind a shaper less of a may leave hardly less
-            grows = min(max((before[1] - now[1]) / (before[0] - now[0]), LEAST_GROWTH), 1.0)
+            grows = float(growth(before, now))
         before, bound_by = now, most
         less = min(limits.acceleration * used ** (-1.0 / grows) * JUST_LESS, a * JUST_LESS)
         slower = typed_in(less, jerk_time)
