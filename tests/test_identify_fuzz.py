@@ -130,3 +130,15 @@ def test_broken_traces_are_judged_or_refused_by_name(tmp_path: Path) -> None:
     assert all("None" not in str(error) for error in refused)
     assert judged
     assert refused
+
+
+def test_a_digit_too_many_in_a_setpoint_that_rests_is_no_end_of_verify(tmp_path: Path) -> None:
+    """What looks like a move there has no sample on its way: once a division by zero."""
+    rebuilt, record = rebuilt_of(GANTRY), record_of(GANTRY)
+    columns = record_moves(rebuilt, limits_of(record), Spoilt(step=1e-3, noise=1e-7))
+    lines = write_csv(tmp_path / "good.csv", columns).read_text().splitlines()
+    rests = lines[796].split(",")
+    rests[1] = f"{float(rests[1]) * 1.01:.9g}"
+    path = tmp_path / "digit.csv"
+    path.write_text("\n".join([*lines[:795], ",".join(rests), *lines[798:]]) + "\n")
+    assert verify(record, [read_trace(str(path), axis_of(rebuilt))]).checks

@@ -251,7 +251,7 @@ class _Stretch:
         if not motion.is_cut:
             # All samples tell it better than the first, if they are the plan's.
             told, speed, *_ = sample_setpoint(plan, t - begin).T
-            exact = begin - float(speed @ (x - told)) / float(speed @ speed)
+            exact = begin - float(speed @ (x - told)) / max(float(speed @ speed), 1e-300)
             off = np.abs(x - sample_setpoint(plan, t - exact)[:, 0])
             if off.max() <= CALM * self.noise:
                 motion = replace(motion, is_planned=True, end=exact + plan.duration)
