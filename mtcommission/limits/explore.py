@@ -163,12 +163,9 @@ def explore(
 def _is_beside(one: Found, other: Found) -> bool:
     """Whether two places lie in one valley: the first steps from either lead past the other."""
     a, b = one.setpoint_filter, other.setpoint_filter
-    if (a.kind if a else "") != (b.kind if b else ""):
+    if a is None or b is None or a.frequency_hz or a.kind != b.kind:  # shapers' are narrow
         return False
-    pairs = [(one.jerk_time, other.jerk_time)]
-    if a and b:
-        pairs += [(a.time, b.time), (a.second_time, b.second_time)]
-        pairs += [(a.frequency_hz, b.frequency_hz)]
+    pairs = [(one.jerk_time, other.jerk_time), (a.time, b.time), (a.second_time, b.second_time)]
     return all(abs(x - y) <= 2.0 * REACHES[0] * max(x, y) for x, y in pairs)
 
 
