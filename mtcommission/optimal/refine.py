@@ -80,7 +80,10 @@ def refined(problem: BoundedProblem, first: Cells) -> Iterator[Seen]:
             # An arc held where it should not be spoils all multipliers.
             is_spoiled = seen.gap > SETTINGS.spoiled * best.gap
             plan, edges = _halved(best.cells) if is_spoiled else finer(problem, seen), seen.mesh
-        if plan.edges.size * max(plan.points.limit.size, plan.edges.size) > SETTINGS.most_entries:
+        # Large programs are worth their time while they bring program and proof together.
+        share = SETTINGS.not_better if best and seen is not best else 1.0
+        entries = plan.edges.size * max(plan.points.limit.size, plan.edges.size)
+        if entries > share * SETTINGS.most_entries:
             return
 
 
