@@ -248,6 +248,17 @@ def free_row(plant: Plant, row: Array) -> Array:
     return np.asarray((row @ known.back)[:-2] @ known.rows[:-2])
 
 
+def free_rows(plant: Plant, rows: Array, s: Array) -> Array:
+    """Return r e^{A s}, of what a signal does a time s later without force; shape (k, n).
+
+    ``rows``: without momentum and place (``free_row``), one for each time.
+    """
+    known = in_moments(plant)
+    functions, own = known.functions, known.rows[: known.functions.one]
+    waves = functions.modal(rows @ known.back) * np.exp(np.multiply.outer(s, functions.rates))
+    return np.asarray(waves.conj().view(np.float64)[:, : functions.one] @ own)
+
+
 def free_waves(plant: Plant, rows: Array, state: Array) -> Complex:
     """Return C of the signals r x(t_f + s) = Re Σ_k C_k e^{p_k s}, shape (n_rows, n_rates).
 

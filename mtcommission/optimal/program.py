@@ -20,6 +20,7 @@ from mtcommission.optimal.linear_program import Basis, Program, solve_program
 from mtcommission.optimal.modes import (
     driven,
     free_peaks,
+    free_rows,
     free_waves,
     in_moments,
     step_response,
@@ -205,8 +206,7 @@ def point_rows(problem: BoundedProblem, points: Points, maps: Segments, plan: Pl
     plant, rows = problem.plant, np.empty((points.limit.size, maps.first.shape[2]))
     after = points.limit >= len(problem.limits)
     signal = problem.tails[points.limit[after] - len(problem.limits)]
-    flow = transition(plant, -points.remaining[after])
-    rows[after] = np.einsum("ki,kij->kj", signal, flow) @ maps.last[-1]
+    rows[after] = free_rows(plant, signal, -points.remaining[after]) @ maps.last[-1]
     rows[after, -3] -= 1.0
     rows[~after] = _limit_rows(problem, points.chosen(~after), maps, plan)
     return rows
@@ -298,7 +298,7 @@ def solve_cells(
     # Bounds after the end are worth what they allow, and the adjoint starts behind them.
     after, prices = points.limit >= len(problem.limits), solution.equal[: goal.size] * scale
     tail = problem.tails[points.limit[after] - len(problem.limits)]
-    flow = transition(problem.plant, -points.remaining[after])
+    freed = free_rows(problem.plant, tail, -points.remaining[after])
     unbalanced = float(prices @ problem.offsets + weights[after].sum())
     unknowns = np.append(solution.unknowns, 1.0)
     return Cells(
@@ -312,7 +312,7 @@ def solve_cells(
         offset=float(solution.unknowns[size - 1]),
         weights=weights,
         limits=len(problem.limits),
-        terminal=prices @ problem.ends - np.einsum("k,ki,kij->j", weights[after], tail, flow),
+        terminal=prices @ problem.ends - weights[after] @ freed,
         spent=float(np.abs(weights[after]).sum()) + abs(unbalanced),
         reach=float(solution.unknowns[size]),
         slope=float(max(slope, 0.5 * early)),
