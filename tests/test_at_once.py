@@ -279,7 +279,7 @@ def test_command_line_says_the_limit_and_where_it_belongs(run):
     code, said = call("printer-belt.toml", "--jerk", "20000", "--move", "2")
     assert not code
     assert "t_f = 11.153294 ms" in said
-    assert "Limit: jerk at most 20000 m/s³, reached." in said
+    assert "Limit: Jerk at most 20000 m/s³, reached." in said
     assert "+j_max" in said
     code, said = call("printer-belt.toml", "--jerk", "1e12")
     assert code == 2
