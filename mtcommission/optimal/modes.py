@@ -229,6 +229,23 @@ def transition(plant: Plant, tau: Array) -> Array:
     return np.asarray(np.swapaxes(columns, -1, -2))
 
 
+def rows_after(plant: Plant, rows: Array, tau: Array) -> Array:
+    """Return r e^{A τ}, what signals see of a state a time τ later without force; shape (k, n).
+
+    ``rows``: one for each time; a matrix for each would take gigabytes on many machines at once.
+    """
+    known = in_moments(plant)
+    functions, own = known.functions, rows @ known.back
+    one, powers = functions.one, powers_of_time(tau, functions.degree)
+    waves = functions.modal(own) * np.exp(np.multiply.outer(tau, functions.rates))
+    turned = np.zeros_like(own)
+    turned[:, :one] = waves.conj().view(np.float64)[:, :one]
+    for j in range(functions.degree + 1):
+        for k in range(j, functions.degree + 1):
+            turned[:, one + j] += powers[k - j] * own[:, one + k]
+    return np.asarray(turned @ known.rows)
+
+
 RADIANS, BLOCK = 0.2, 64
 """Between samples, of the fastest rate, and how many of them one power of it serves."""
 MOST_SAMPLES = 400_000
@@ -246,17 +263,6 @@ def free_row(plant: Plant, row: Array) -> Array:
     """
     known = in_moments(plant)
     return np.asarray((row @ known.back)[:-2] @ known.rows[:-2])
-
-
-def free_rows(plant: Plant, rows: Array, s: Array) -> Array:
-    """Return r e^{A s}, of what a signal does a time s later without force; shape (k, n).
-
-    ``rows``: without momentum and place (``free_row``), one for each time.
-    """
-    known = in_moments(plant)
-    functions, own = known.functions, known.rows[: known.functions.one]
-    waves = functions.modal(rows @ known.back) * np.exp(np.multiply.outer(s, functions.rates))
-    return np.asarray(waves.conj().view(np.float64)[:, : functions.one] @ own)
 
 
 def free_waves(plant: Plant, rows: Array, state: Array) -> Complex:

@@ -20,9 +20,9 @@ from mtcommission.optimal.linear_program import Basis, Program, solve_program
 from mtcommission.optimal.modes import (
     driven,
     free_peaks,
-    free_rows,
     free_waves,
     in_moments,
+    rows_after,
     step_response,
     transition,
 )
@@ -206,7 +206,7 @@ def point_rows(problem: BoundedProblem, points: Points, maps: Segments, plan: Pl
     plant, rows = problem.plant, np.empty((points.limit.size, maps.first.shape[2]))
     after = points.limit >= len(problem.limits)
     signal = problem.tails[points.limit[after] - len(problem.limits)]
-    rows[after] = free_rows(plant, signal, -points.remaining[after]) @ maps.last[-1]
+    rows[after] = rows_after(plant, signal, -points.remaining[after]) @ maps.last[-1]
     rows[after, -3] -= 1.0
     rows[~after] = _limit_rows(problem, points.chosen(~after), maps, plan)
     return rows
@@ -218,7 +218,7 @@ def _limit_rows(problem: BoundedProblem, points: Points, maps: Segments, plan: P
     since = maps.start[index] - points.remaining
     signal = problem.rows[points.limit]
     push = np.sum(step_response(plant, since) * signal, axis=1) * problem.force_limit
-    moved = np.einsum("ki,kij->kj", signal, transition(plant, since))
+    moved = rows_after(plant, signal, since)
     rows = np.empty((points.limit.size, maps.first.shape[2]))
     for i in np.unique(index).tolist():
         own, held = index == i, int(maps.interior[i])
@@ -298,7 +298,7 @@ def solve_cells(
     # Bounds after the end are worth what they allow, and the adjoint starts behind them.
     after, prices = points.limit >= len(problem.limits), solution.equal[: goal.size] * scale
     tail = problem.tails[points.limit[after] - len(problem.limits)]
-    freed = free_rows(problem.plant, tail, -points.remaining[after])
+    freed = rows_after(problem.plant, tail, -points.remaining[after])
     unbalanced = float(prices @ problem.offsets + weights[after].sum())
     unknowns = np.append(solution.unknowns, 1.0)
     return Cells(
