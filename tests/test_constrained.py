@@ -30,7 +30,7 @@ from mtcommission.optimal.control import (
     sample_trajectory,
 )
 from mtcommission.optimal.edits import solve_exactly
-from mtcommission.optimal.modes import impulse_response, step_response, transition
+from mtcommission.optimal.modes import impulse_response, rows_after, step_response, transition
 from mtcommission.optimal.newton import solve_sequence
 from mtcommission.optimal.problem import Atom, BoundedProblem, bounded_problem
 from mtcommission.optimal.proof import weigh
@@ -223,6 +223,8 @@ def test_responses_agree_with_the_matrix_exponential(plant):
         size_of = np.abs(flow).max(axis=1)[:size]
         assert np.all(np.abs(step_response(plant, at) - flow[:size, size]) < 1e-11 * size_of)
         assert_allclose(transition(plant, at), flow[:size, :size], atol=1e-11 * size_of.max())
+        seen = rows_after(plant, np.eye(size), np.full(size, tau))
+        assert_allclose(seen, flow[:size, :size], atol=1e-11 * size_of.max())
         assert_allclose(impulse_response(plant, at), flow[:size, :size] @ plant.B, rtol=1e-9)
 
 

@@ -57,10 +57,17 @@ class Chosen:
     verdict: Candidate  # of the simulation with exactly these
 
 
-def fill_in(subject: Subject, target: Control) -> tuple[tuple[Entry, ...], set[str], Held]:
-    """Return every row with what is typed in, those that are only remarks last.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FilledIn:
+    """The rows of a control with what is typed in."""
 
-    With them, the machining modes that the control has, and the loop that was judged.
+    entries: tuple[Entry, ...]  # those that are only remarks last
+    indices: frozenset[str]  # of its rows: the machining modes that it has, filters by number
+    held: Held  # the loop that was judged
+
+
+def fill_in(subject: Subject, target: Control) -> FilledIn:
+    """Return every row with what is typed in.
 
     Raises InputError if the loop is unstable as typed, or the control has no number that small.
     """
@@ -86,7 +93,7 @@ def fill_in(subject: Subject, target: Control) -> tuple[tuple[Entry, ...], set[s
             values |= chosen.values if chosen.verdict.assessment.is_met else {}
     entries = type_in(rows, values, today_of(subject))
     ordered = tuple(sorted(entries, key=lambda entry: entry.row.is_elsewhere))
-    return ordered, {row.index for row in rows}, held
+    return FilledIn(entries=ordered, indices=frozenset(row.index for row in rows), held=held)
 
 
 def _take(rows: Iterable[Row], values: Values) -> dict[Key, float | str]:

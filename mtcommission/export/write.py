@@ -83,10 +83,11 @@ def _export(
 ) -> Export:
     subject = build_subject(record, target.kind)
     words, layout = words_for(subject, language), LIST if as_list else target.layout
-    entries, indices, known = fill_in(subject, target)
+    filled = fill_in(subject, target)
+    entries = filled.entries
     lines, rows = write_body(layout, entries, words), [entry.row for entry in entries]
     values = read_text(layout, rows, "\n".join(lines), words)
-    judged = judge_text(subject, values, indices, known=known)
+    judged = judge_text(subject, values, filled.indices, known=filled.held)
     header = say_plainly(compose_header(record, subject, target, judged, rows, words), words)
     return Export(
         header=header,

@@ -203,7 +203,7 @@ def export_group(
 
 def fill_in_group(record: GroupRecord, target: Control, subjects: Sequence[Subject]) -> list[Part]:
     """Return every axis with what is typed in for it, the path last."""
-    own = [fill_in(subject, target)[0] for subject in subjects]
+    own = [fill_in(subject, target).entries for subject in subjects]
     told = _tell(record, target, subjects, own)
     of_path = {(row.section, row.name) for row in target.group}
     parts = []

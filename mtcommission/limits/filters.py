@@ -9,7 +9,14 @@ from math import pi, sqrt
 
 import numpy as np
 
-from mtcommission.controls.kind import MOVING_AVERAGE, SHAPERS, TWO_AVERAGES, FilterChoice, Jerk
+from mtcommission.controls.kind import (
+    LONGEST_AVERAGE,
+    MOVING_AVERAGE,
+    SHAPERS,
+    TWO_AVERAGES,
+    FilterChoice,
+    Jerk,
+)
 from mtcommission.loop.model.assembly import SampledLoop
 from mtcommission.machine.control import Control
 from mtcommission.machine.setpoint_filter import SetpointFilter, frequencies_told_apart
@@ -27,9 +34,6 @@ those of what rings."""
 
 PERIODS = (1, 2, 3)
 """Lengths of an average, or of a ramp, in periods of what rings: each of them cancels it [-]."""
-
-LONGEST = 0.2
-"""Of the averages tried at first [s]."""
 
 SHARES = (0.7, 0.8, 1.0, 1.25)
 """Frequencies of a shaper that are tried at first where no ramp quiets anything besides, by that of
@@ -84,7 +88,7 @@ def _of_kind(
     choice: FilterChoice, control: Control, ringing: list[tuple[float, float]]
 ) -> Iterator[SetpointFilter]:
     kind, periods = choice.kind, [1.0 / frequency for frequency, _ in ringing]
-    usual = np.geomspace(LEAST_CYCLES * control.position_cycle, LONGEST, TIMES).tolist()
+    usual = np.geomspace(LEAST_CYCLES * control.position_cycle, LONGEST_AVERAGE, TIMES).tolist()
     if kind == MOVING_AVERAGE:
         times = [*usual, *(share * period for period in periods for share in PERIODS)]
         for time in _settable(choice, control, times):

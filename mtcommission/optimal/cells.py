@@ -106,20 +106,18 @@ def exchange(
 
 def _first_edges(problem: BoundedProblem, t_f: float, *, finer: int) -> Array:
     """Return even edges; of a long move close together at its ends and those of its cruise."""
-    cell, fewest = (
-        SETTINGS.radians_per_cell / finer / problem.vibration_rate,
-        finer * SETTINGS.fewest_cells,
-    )
-    has_cruise, count = problem.ramp < inf, int(t_f / cell)
-    most = (
-        fewest if has_cruise else int((SETTINGS.first_entries / max(len(problem.limits), 1)) ** 0.5)
-    )
-    if count < (most if has_cruise else SETTINGS.coarsest * most):
+    cell = SETTINGS.radians_per_cell / finer / problem.vibration_rate
+    count, fewest = int(t_f / cell), finer * SETTINGS.fewest_cells
+    if problem.ramp < inf:  # on its cruise cells may be as long as they like
+        most, longest = fewest, inf
+        is_short = count < most
+    else:
+        most = int((SETTINGS.first_entries / max(len(problem.limits), 1)) ** 0.5)
+        longest = t_f / SETTINGS.fewest_between
+        is_short = count < SETTINGS.coarsest * most
+    if is_short:
         return np.linspace(0.0, t_f, max(min(count, most), fewest) + 1)
-    ramp, longest = (
-        min(problem.ramp, 0.5 * t_f),
-        inf if has_cruise else t_f / SETTINGS.fewest_between,
-    )
+    ramp = min(problem.ramp, 0.5 * t_f)
     places = np.unique([0.0, ramp, t_f - ramp, t_f])
     edges = [0.0]
     while edges[-1] < t_f:

@@ -11,13 +11,11 @@ class ProgramSettings:
 
     # Of one linear program.
     tolerance: float = 1e-9  # of the simplex method, against bounds of 1
-    steps: int = (
-        4  # for each row and column, then it is given up; 2.0 at most where it ends (measured)
-    )
+    steps: int = 4
+    """For each row and column, then it is given up; where it ends, 2.0 at most (measured)."""
     most_entries: float = 1.25e6  # cells times points: a second at most
-    largest_offset: float = (
-        1.0 - 1e-5
-    )  # of the reference over the band: the free motion rests in it
+    largest_offset: float = 1.0 - 1e-5
+    """Of the reference over the band: the free motion rests in it."""
     # Peaks of its motion.
     near: float = 0.02  # room below a bound within which a peak is looked at closely [-]
     samples: int = 8  # of a part of a cell, among which its peaks are looked for,
@@ -30,9 +28,8 @@ class ProgramSettings:
     coarsest: float = 2.5  # times that length up to which cells are even
     fewest_between: int = 200  # cells of a longer move without a cruise
     most_places: int = 1200  # points on longer cells, for the bounds between their ends
-    growth: float = (
-        0.15  # of cells with the distance from the ends of a long move and of its cruise
-    )
+    growth: float = 0.15
+    """Of cells with the distance from the ends of a long move and of its cruise."""
     finer: int = 4
     """Times as many cells where more time takes reach, which no motion loses by waiting: there a
     bound is so close to the least possible that the length of the cells decides."""
@@ -64,9 +61,8 @@ class ProgramSettings:
     beside: float = 1.0 / 8.0  # distance of further edges from a zero, in its cell: it moves
     nearby: float = 3.0  # cells about an acting point in which new edges become points, too
     # Arcs that are held, for orders 1 and 2, and for higher ones.
-    chain_gap: float = (
-        3.2  # of points, in the smaller of their cells: ripple may leave out every other
-    )
+    chain_gap: float = 3.2
+    """Of points, in the smaller of their cells: ripple may leave out every other."""
     chain_points: int = 5  # that make an arc; two or three surround a touch point
     margins: tuple[float, float] = (3.0, 15.0)  # cells between the ends of an arc and its interior,
     short: float = 0.7  # which may take this share of it

@@ -73,11 +73,17 @@ function labelX(svg, x, bottom, label) {
   add(svg, "text", {x: (x.from + x.to) / 2, y: bottom + 34, "text-anchor": "middle"}, label);
 }
 
-// A framed plot of two axes that fills its place on the page.
-function chart(svg, xs, ys, labels, {xLog = false, yLog = false, right = RIGHT, high = HIGH} = {}) {
+// Empty a plot, as wide as its place on the page; its width.
+function clear(svg, high) {
   const width = Math.max(300, Math.min(WIDE, svg.parentNode.clientWidth || WIDE));
   svg.replaceChildren();
   svg.setAttribute("viewBox", `0 0 ${width} ${high + FOOT + TITLE}`);
+  return width;
+}
+
+// A framed plot of two axes that fills its place on the page.
+function chart(svg, xs, ys, labels, {xLog = false, yLog = false, right = RIGHT, high = HIGH} = {}) {
+  const width = clear(svg, high);
   const x = scale(...xs, LEFT, width - right, xLog), y = scale(...ys, TITLE + high, TITLE, yLog);
   const clip = `${svg.id}-clip`;
   frame(svg, x, y, clip);

@@ -1,4 +1,4 @@
-"""Thousands of operating points: ``plan``, ``columns``, ``solve``, ``store``, ``engine``, ``page``.
+"""Many operating points: ``plan``, ``columns``, ``solve``, ``store``, ``engine``, ``table``.
 
 ``plan.Plan`` says what varies, ``engine.run_sweep`` computes what is not on disk yet, and
 ``table.read_table`` returns the columns; ``library.sweep`` is all of it. Nothing is imported here,

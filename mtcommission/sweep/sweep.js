@@ -1,7 +1,7 @@
 // The page of a sweep: results over what varies, a trade-off, a map over two keys, sortable rows.
 // Draws with kit.js.
 
-const sweepPage = (() => {
+(() => {
   const {columns, count, keys: varied, plotted, flag: flagName, template, words} = JSON.parse(document.getElementById("what-if-data").textContent);
   const id = key => document.getElementById(`wi-${key}`);
   const say = (key, ...values) => words[key].replace(/%(\d)/g, (_, place) => values[place - 1]);
@@ -141,7 +141,12 @@ const sweepPage = (() => {
   function join(inside, points, xColumn) {
     const others = keys.filter(column => column !== xColumn);
     if (isCrowded || !keys.includes(xColumn) || others.length + 1 !== varied.length) return;
-    const series = Map.groupBy(points, ([, , row]) => others.map(column => column.values[row]).join());
+    const series = new Map();
+    for (const point of points) {
+      const name = others.map(column => column.values[point[2]]).join();
+      if (!series.has(name)) series.set(name, []);
+      series.get(name).push(point);
+    }
     if (series.size * 3 > points.length) return;
     for (const part of series.values()) add(inside, "path", {class: "thin", d: joined(part.sort((a, b) => a[0] - b[0]))});
   }
@@ -180,12 +185,10 @@ const sweepPage = (() => {
 
   // The places of a key are its values in order, one step each; some are named.
   function drawMap(svg, head) {
-    const [xColumn, yColumn] = keys, value = by.get(id("value").value), width = Math.max(300, Math.min(WIDE, svg.parentNode.clientWidth || WIDE));
+    const [xColumn, yColumn] = keys, value = by.get(id("value").value), width = clear(svg, TALL);
     const found = value.values.filter(one => one !== null), low = found.reduce((a, b) => Math.min(a, b), Infinity), high = found.reduce((a, b) => Math.max(a, b), -Infinity);
-    const [xs, ys] = [xColumn, yColumn].map(column => [...variety.has(column) ? new Set(column.values) : []].sort((a, b) => a - b));
+    const [xs, ys] = keys.map(column => [...new Set(column.values)].sort((a, b) => a - b));
     const w = (width - LEFT - RIGHT) / xs.length, h = TALL / ys.length, middles = [];
-    svg.replaceChildren();
-    svg.setAttribute("viewBox", `0 0 ${width} ${TITLE + TALL + FOOT}`);
     head.textContent = say("over-two", value.title, xColumn.title, yColumn.title, show(low / value.size), show(high / value.size));
     const places = [xs, ys].map(list => new Map(list.map((one, i) => [one, i])));
     // A path for each shade: a node for each of 100,000 cells would take seconds.
@@ -300,6 +303,4 @@ const sweepPage = (() => {
   }
   drawRows();
   new ResizeObserver(() => painters.forEach((_, svg) => redraw(svg))).observe(id("plots"));
-  document.documentElement.dataset.ready = "yes";
-  return {by, painters};
 })();

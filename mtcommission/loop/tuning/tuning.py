@@ -277,8 +277,10 @@ def _largest(family: LoopFamily, name: str, power: int) -> float | None:
 
     given = float(getattr(family.machine.control, name) ** power)
     low = find_largest(seems, given, least=SEARCH.least * given)
-    low = low and find_largest(keeps, low, least=SEARCH.least * given)
-    return None if low is None else float(_round_down(low) ** power)
+    if low is None:
+        return None
+    found = find_largest(keeps, low, least=SEARCH.least * given)
+    return None if found is None else float(_round_down(found) ** power)
 
 
 def _round_down(value: float) -> float:
