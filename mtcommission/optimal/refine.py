@@ -62,6 +62,7 @@ def refined(problem: BoundedProblem, first: Cells) -> Iterator[Seen]:
     seen, edges = observe(problem, first), first.plan.edges
     plan = _planned(problem, seen, edges, first.acting)
     best: Seen | None = None
+    worse = 0  # rounds since the best
     for i in range(SETTINGS.rounds):
         cells = exchange(
             problem, plan, tolerance=SETTINGS.tolerances[min(i, len(SETTINGS.tolerances) - 1)]
@@ -80,8 +81,10 @@ def refined(problem: BoundedProblem, first: Cells) -> Iterator[Seen]:
             # An arc held where it should not be spoils all multipliers.
             is_spoiled = seen.gap > SETTINGS.spoiled * best.gap
             plan, edges = _halved(best.cells) if is_spoiled else finer(problem, seen), seen.mesh
-        # Large programs are worth their time while they bring program and proof together.
-        share = SETTINGS.not_better if best and seen is not best else 1.0
+        # Large programs are worth their time while they bring program and proof together; one
+        # round alone may hold an arc where it should not.
+        worse = worse + 1 if best and seen is not best else 0
+        share = SETTINGS.not_better if worse > 1 else 1.0
         entries = plan.edges.size * max(plan.points.limit.size, plan.edges.size)
         if entries > share * SETTINGS.most_entries:
             return

@@ -54,7 +54,7 @@ class ProgramSettings:
     """What the programs of the rounds may miss of bounds and target; the last from there on."""
     most_radians: float = 3e5  # fastest rate times t_f
     enough: float = 7e-7  # gap at which cells are fine enough where no exact sequence exists
-    not_better: float = 0.25  # share of the entries that are allowed where the last gap was larger
+    not_better: float = 0.25  # share of the entries allowed where two gaps in a row were larger
     spoiled: float = 100.0  # times the best gap: the program held an arc where it should not
     # Which cells are divided.
     large_share: float = 0.01  # of the largest share of the time that a zero of σ hides in its cell
